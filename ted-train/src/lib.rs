@@ -1,1 +1,3 @@
-//! ted-train
+//! Preferences to policies: datasets, reward ensembles, TED, offline RL, evaluation, export, and the `ted` command.
+
+pub mod rng;
