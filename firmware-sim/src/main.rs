@@ -1,2 +1,3 @@
-//! ted
-fn main(){}
+//! The `firmware-sim` command.
+
+fn main() {}
