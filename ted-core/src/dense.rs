@@ -1,0 +1,77 @@
+//! One dense layer that borrows its weights.
+
+use crate::error::{Part, ShapeError};
+use crate::kernel;
+use crate::limits::MAX_WIDTH;
+
+/// Rows computed together for one sample: four rows of four lanes fit the registers of a Cortex-M4F and of SSE2.
+const ROWS: usize = 4;
+
+/// A dense layer: `weights` row-major `[outputs][inputs]`, one bias per output. Its existence proves that they fit.
+#[derive(Clone, Copy, Debug)]
+pub struct Dense<'a> {
+    inputs: usize,
+    weights: &'a [f32],
+    bias: &'a [f32],
+}
+
+impl<'a> Dense<'a> {
+    /// Checks the sizes and borrows the parameters.
+    ///
+    /// # Errors
+    /// When a side is empty or wider than [`MAX_WIDTH`], or a slice has another length than the sides ask for.
+    pub fn new(
+        inputs: usize,
+        outputs: usize,
+        weights: &'a [f32],
+        bias: &'a [f32],
+    ) -> Result<Self, ShapeError> {
+        ShapeError::within(Part::Inputs, MAX_WIDTH, inputs)?;
+        ShapeError::within(Part::Outputs, MAX_WIDTH, outputs)?;
+        ShapeError::same(Part::Weights, inputs * outputs, weights.len())?;
+        ShapeError::same(Part::Bias, outputs, bias.len())?;
+        Ok(Self {
+            inputs,
+            weights,
+            bias,
+        })
+    }
+
+    /// Number of inputs.
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// Number of outputs.
+    #[must_use]
+    pub fn outputs(&self) -> usize {
+        self.bias.len()
+    }
+
+    /// The weights, row-major `[outputs][inputs]`.
+    #[must_use]
+    pub fn weights(&self) -> &'a [f32] {
+        self.weights
+    }
+
+    /// The biases.
+    #[must_use]
+    pub fn bias(&self) -> &'a [f32] {
+        self.bias
+    }
+
+    /// Applies the layer and then `activate` to every output.
+    #[inline(always)]
+    pub(crate) fn apply(
+        &self,
+        x: &[f32],
+        out: &mut [f32],
+        activate: impl Fn(f32) -> f32,
+    ) -> Result<(), ShapeError> {
+        ShapeError::same(Part::Input, self.inputs, x.len())?;
+        ShapeError::same(Part::Output, self.outputs(), out.len())?;
+        kernel::dense::<ROWS, 1>(self.weights, self.bias, [x], [out], activate);
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! Integer network and policy.
+
+use heapless::Vec;
+
+use super::dense::{IntegerDense, IntegerError};
+use crate::error::{Part, ShapeError};
+use crate::limits::{MAX_ACTION, MAX_LAYERS, MAX_OBSERVATION};
+use crate::mlp::Output;
+
+/// Most fraction bits of a 16-bit activation.
+pub const MAX_FRACTION_BITS: u8 = 15;
+
+/// A network in integers whose layers are proved to chain. Hidden layers are ReLU.
+#[derive(Clone, Debug)]
+pub struct IntegerMlp<'a> {
+    layers: Vec<IntegerDense<'a>, MAX_LAYERS>,
+    output: Output,
+}
+
+impl<'a> IntegerMlp<'a> {
+    /// Chains the layers, first to last.
+    ///
+    /// # Errors
+    /// When there is no layer, more than [`MAX_LAYERS`], or a layer does not read what the one before it writes.
+    pub fn new(layers: &[IntegerDense<'a>], output: Output) -> Result<Self, ShapeError> {
+        ShapeError::within(Part::Layers, MAX_LAYERS, layers.len())?;
+        for (before, after) in layers.iter().zip(layers.iter().skip(1)) {
+            ShapeError::same(Part::Inputs, before.outputs(), after.inputs())?;
+        }
+        let too_many = |_| ShapeError::TooLarge {
+            part: Part::Layers,
+            limit: MAX_LAYERS,
+            actual: layers.len(),
+        };
+        Ok(Self {
+            layers: Vec::from_slice(layers).map_err(too_many)?,
+            output,
+        })
+    }
+
+    /// The layers, first to last.
+    #[must_use]
+    pub fn layers(&self) -> &[IntegerDense<'a>] {
+        &self.layers
+    }
+
+    /// Activation of the last layer.
+    #[must_use]
+    pub fn output(&self) -> Output {
+        self.output
+    }
+
+    /// Number of inputs.
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        self.layers.first().map_or(0, IntegerDense::inputs)
+    }
+
+    /// Number of outputs.
+    #[must_use]
+    pub fn outputs(&self) -> usize {
+        self.layers.last().map_or(0, IntegerDense::outputs)
+    }
+}
+
+/// A policy in integers: it reads the standardised observation and writes the action, both as 16-bit fixed point.
+#[derive(Clone, Debug)]
+pub struct IntegerPolicy<'a> {
+    input_fraction_bits: u8,
+    output_fraction_bits: u8,
+    mlp: IntegerMlp<'a>,
+}
+
+impl<'a> IntegerPolicy<'a> {
+    /// Joins a network with the fixed point of its two ends.
+    ///
+    /// An input is `round(obs_norm * 2^input_fraction_bits)`, saturated; an output of the last layer, before its
+    /// activation, has `output_fraction_bits`.
+    ///
+    /// # Errors
+    /// When a number of fraction bits is more than [`MAX_FRACTION_BITS`], or there are too many channels.
+    pub fn new(
+        input_fraction_bits: u8,
+        output_fraction_bits: u8,
+        mlp: IntegerMlp<'a>,
+    ) -> Result<Self, IntegerError> {
+        for actual in [input_fraction_bits, output_fraction_bits] {
+            if actual > MAX_FRACTION_BITS {
+                return Err(IntegerError::FractionBits {
+                    limit: MAX_FRACTION_BITS,
+                    actual,
+                });
+            }
+        }
+        ShapeError::within(Part::Observation, MAX_OBSERVATION, mlp.inputs())?;
+        ShapeError::within(Part::Action, MAX_ACTION, mlp.outputs())?;
+        Ok(Self {
+            input_fraction_bits,
+            output_fraction_bits,
+            mlp,
+        })
+    }
+
+    /// Fraction bits of the standardised observation.
+    #[must_use]
+    pub fn input_fraction_bits(&self) -> u8 {
+        self.input_fraction_bits
+    }
+
+    /// Fraction bits of the last layer before its activation.
+    #[must_use]
+    pub fn output_fraction_bits(&self) -> u8 {
+        self.output_fraction_bits
+    }
+
+    /// The network.
+    #[must_use]
+    pub fn mlp(&self) -> &IntegerMlp<'a> {
+        &self.mlp
+    }
+}

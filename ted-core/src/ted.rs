@@ -1,0 +1,175 @@
+//! TED's lookup: which discount a transition gets, from the predicted return of its episode.
+
+use core::fmt;
+
+/// Episode number of an episode that is not in the dataset: it loses every tie.
+pub const NEW_EPISODE: u32 = u32::MAX;
+
+/// The last episode of the top k %: the border of a ranking by predicted return, ties won by the earlier episode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReturnThreshold {
+    /// Predicted return of that episode.
+    pub return_hat: f32,
+    /// Its number in the dataset.
+    pub last_tied_episode: u32,
+}
+
+impl ReturnThreshold {
+    /// The border that every return passes (k = 100).
+    pub const ALL: Self = Self {
+        return_hat: f32::MIN,
+        last_tied_episode: u32::MAX,
+    };
+    /// The border that no return passes (k = 0).
+    pub const NONE: Self = Self {
+        return_hat: f32::MAX,
+        last_tied_episode: 0,
+    };
+}
+
+/// On which side of the border an episode lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiscountClass {
+    /// In the top k %: full discount factor.
+    TopK,
+    /// Below: lowered discount factor, so that its value looks less far.
+    BelowTopK,
+}
+
+/// A discount that cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DiscountError {
+    /// gamma is not in [0, 1].
+    Gamma {
+        /// What it is.
+        actual: f32,
+    },
+    /// sigma is not in [0, 1].
+    Sigma {
+        /// What it is.
+        actual: f32,
+    },
+    /// The threshold is not finite.
+    Threshold {
+        /// What it is.
+        actual: f32,
+    },
+}
+
+impl fmt::Display for DiscountError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gamma { actual } => {
+                write!(f, "discount gamma must lie in [0, 1], found {actual}")
+            }
+            Self::Sigma { actual } => write!(
+                f,
+                "discount factor sigma must lie in [0, 1], found {actual}"
+            ),
+            Self::Threshold { actual } => {
+                write!(f, "return threshold must be finite, found {actual}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for DiscountError {}
+
+/// The discount of TED (equation 5 of the paper): `gamma` in the top k %, `sigma * gamma` below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TedDiscount {
+    gamma: f32,
+    sigma: f32,
+    threshold: ReturnThreshold,
+}
+
+impl TedDiscount {
+    /// Checks and joins the three numbers.
+    ///
+    /// # Errors
+    /// When gamma or sigma lies outside [0, 1] or the threshold is not finite.
+    pub fn new(gamma: f32, sigma: f32, threshold: ReturnThreshold) -> Result<Self, DiscountError> {
+        if !(0.0..=1.0).contains(&gamma) {
+            return Err(DiscountError::Gamma { actual: gamma });
+        }
+        if !(0.0..=1.0).contains(&sigma) {
+            return Err(DiscountError::Sigma { actual: sigma });
+        }
+        if !threshold.return_hat.is_finite() {
+            return Err(DiscountError::Threshold {
+                actual: threshold.return_hat,
+            });
+        }
+        Ok(Self {
+            gamma,
+            sigma,
+            threshold,
+        })
+    }
+
+    /// The full discount factor.
+    #[must_use]
+    pub fn gamma(&self) -> f32 {
+        self.gamma
+    }
+
+    /// What the discount factor is multiplied with below the border.
+    #[must_use]
+    pub fn sigma(&self) -> f32 {
+        self.sigma
+    }
+
+    /// The border.
+    #[must_use]
+    pub fn threshold(&self) -> ReturnThreshold {
+        self.threshold
+    }
+
+    /// The side of the border on which an episode of this predicted return lies.
+    #[must_use]
+    pub fn class(&self, return_hat: f32, episode: u32) -> DiscountClass {
+        let tied = return_hat == self.threshold.return_hat;
+        if return_hat > self.threshold.return_hat
+            || (tied && episode <= self.threshold.last_tied_episode)
+        {
+            DiscountClass::TopK
+        } else {
+            DiscountClass::BelowTopK
+        }
+    }
+
+    /// The discount factor of a class.
+    #[must_use]
+    pub fn discount(&self, class: DiscountClass) -> f32 {
+        match class {
+            DiscountClass::TopK => self.gamma,
+            DiscountClass::BelowTopK => self.sigma * self.gamma,
+        }
+    }
+}
+
+/// Running predicted return of one episode: an `f32` sum in step order, so that trainer and device get the same bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EpisodeReturn {
+    sum: f32,
+}
+
+impl EpisodeReturn {
+    /// The return of an episode with no step yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { sum: 0.0 }
+    }
+
+    /// Adds the predicted reward of the next step.
+    pub fn push(&mut self, reward_hat: f32) {
+        self.sum += reward_hat;
+    }
+
+    /// The sum so far.
+    #[must_use]
+    pub fn return_hat(&self) -> f32 {
+        self.sum
+    }
+}
