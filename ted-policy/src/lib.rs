@@ -1,1 +1,41 @@
-//! ted-policy
+//! The policy artefact: everything a controller needs to fly a trained policy, in one checked file.
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(any(feature = "std", test))]
+extern crate std;
+
+#[cfg(target_endian = "big")]
+compile_error!(
+    "the artefact's weights are little-endian and borrowed in place: a big-endian machine cannot read them"
+);
+
+mod arrays;
+mod artifact;
+mod contract;
+mod digest;
+mod envelope;
+mod error;
+mod golden;
+mod networks;
+mod provenance;
+mod wire;
+
+#[cfg(feature = "std")]
+mod load;
+#[cfg(feature = "std")]
+mod write;
+
+pub use artifact::Artifact;
+pub use contract::{ActionChannel, Contract, ObservationChannel};
+pub use digest::{Digest, DigestError};
+pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
+pub use error::{ArtifactError, ContractFault, Place};
+pub use golden::{Golden, GoldenCase};
+pub use provenance::Provenance;
+
+#[cfg(feature = "std")]
+pub use load::{ArtifactBytes, LoadError};
+#[cfg(feature = "std")]
+pub use write::{ArtifactSpec, WriteError, write};

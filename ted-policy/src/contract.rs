@@ -1,0 +1,135 @@
+//! The contract between a policy and whatever it is connected to: channels, units, ranges, timing.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+use ted_core::{MAX_ACTION, MAX_OBSERVATION};
+
+use crate::error::ContractFault;
+
+/// One channel of the raw observation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObservationChannel<'a> {
+    /// What it measures, such as `hand_x`.
+    pub name: &'a str,
+    /// Its unit, such as `m`.
+    pub unit: &'a str,
+    /// Smallest value a controller accepts.
+    pub low: f32,
+    /// Largest value a controller accepts.
+    pub high: f32,
+}
+
+/// One channel of the action.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ActionChannel<'a> {
+    /// What it moves, such as `hand_dx`.
+    pub name: &'a str,
+    /// Its unit, such as `cm`.
+    pub unit: &'a str,
+    /// Smallest value a controller sends.
+    pub low: f32,
+    /// Largest value a controller sends.
+    pub high: f32,
+    /// Largest change from one tick to the next.
+    pub slew_per_tick: f32,
+}
+
+/// What a policy expects of the world, and what it promises.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contract<'a> {
+    /// The task it was trained for.
+    pub task: &'a str,
+    /// The raw observation, in order.
+    #[serde(borrow)]
+    pub observation: Vec<ObservationChannel<'a>, MAX_OBSERVATION>,
+    /// The action, in order.
+    #[serde(borrow)]
+    pub action: Vec<ActionChannel<'a>, MAX_ACTION>,
+    /// Time between two ticks, in microseconds.
+    pub control_period_us: u32,
+    /// Oldest observation a controller acts on, in microseconds.
+    pub max_observation_age_us: u32,
+}
+
+impl<'a> Contract<'a> {
+    /// Joins the channels and checks that the contract can be kept.
+    ///
+    /// # Errors
+    /// When a list is empty or too long, a name is empty, a range is not finite and ordered, a slew limit is not
+    /// positive, or the control period is zero.
+    pub fn new(
+        task: &'a str,
+        observation: &[ObservationChannel<'a>],
+        action: &[ActionChannel<'a>],
+        control_period_us: u32,
+        max_observation_age_us: u32,
+    ) -> Result<Self, ContractFault> {
+        let contract = Self {
+            task,
+            observation: Vec::from_slice(observation).map_err(|_| {
+                ContractFault::ObservationChannels {
+                    limit: MAX_OBSERVATION,
+                    actual: observation.len(),
+                }
+            })?,
+            action: Vec::from_slice(action).map_err(|_| ContractFault::ActionChannels {
+                limit: MAX_ACTION,
+                actual: action.len(),
+            })?,
+            control_period_us,
+            max_observation_age_us,
+        };
+        contract.check()?;
+        Ok(contract)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ContractFault> {
+        if self.task.is_empty() {
+            return Err(ContractFault::Task);
+        }
+        if self.observation.is_empty() {
+            return Err(ContractFault::ObservationChannels {
+                limit: MAX_OBSERVATION,
+                actual: 0,
+            });
+        }
+        if self.action.is_empty() {
+            return Err(ContractFault::ActionChannels {
+                limit: MAX_ACTION,
+                actual: 0,
+            });
+        }
+        for (
+            channel,
+            ObservationChannel {
+                name, low, high, ..
+            },
+        ) in self.observation.iter().enumerate()
+        {
+            if name.is_empty() || !low.is_finite() || !high.is_finite() || low > high {
+                return Err(ContractFault::Observation { channel });
+            }
+        }
+        for (
+            channel,
+            ActionChannel {
+                name,
+                low,
+                high,
+                slew_per_tick,
+                ..
+            },
+        ) in self.action.iter().enumerate()
+        {
+            let ordered = low.is_finite() && high.is_finite() && low < high;
+            if name.is_empty() || !ordered || !slew_per_tick.is_finite() || *slew_per_tick <= 0.0 {
+                return Err(ContractFault::Action { channel });
+            }
+        }
+        if self.control_period_us == 0 {
+            Err(ContractFault::ControlPeriod)
+        } else {
+            Ok(())
+        }
+    }
+}

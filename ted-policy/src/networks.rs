@@ -1,0 +1,142 @@
+//! Joins shapes from the metadata and numbers from the blob into `ted-core` types.
+
+use heapless::Vec;
+use ted_core::integer::{IntegerDense, IntegerError, IntegerMlp, IntegerPolicy};
+use ted_core::{
+    Dense, MAX_LAYERS, MAX_MEMBERS, MAX_WIDTH, Mlp, Normaliser, Part, RewardEnsemble, RewardInput,
+    RewardRange, ShapeError, TedDiscount,
+};
+
+use crate::arrays::Arrays;
+use crate::error::{ArtifactError, Place};
+use crate::wire::{Integer, Network, Reward, Ted};
+
+/// A normaliser of so many channels: finite shifts, then finite and positive scales.
+pub(crate) fn normaliser<'a>(
+    arrays: &mut Arrays<'a>,
+    channels: usize,
+    place: Place,
+) -> Result<Normaliser<'a>, ArtifactError> {
+    let shift = arrays.take_f32(channels, place)?;
+    let scale = arrays.take_f32(channels, place)?;
+    if let Some(channel) = scale.iter().position(|scale| *scale <= 0.0) {
+        return Err(ArtifactError::ScaleNotPositive { place, channel });
+    }
+    Normaliser::new(shift, scale).map_err(|error| ArtifactError::Shape { place, error })
+}
+
+/// A network: weights and biases of each layer.
+pub(crate) fn mlp<'a>(
+    arrays: &mut Arrays<'a>,
+    network: &Network,
+    place: Place,
+) -> Result<Mlp<'a>, ArtifactError> {
+    let shape = |error| ArtifactError::Shape { place, error };
+    let mut layers = Vec::<Dense<'a>, MAX_LAYERS>::new();
+    for (inputs, outputs) in network.layers() {
+        check_widths(inputs, outputs).map_err(shape)?;
+        let weights = arrays.take_f32(inputs * outputs, place)?;
+        let bias = arrays.take_f32(outputs, place)?;
+        let layer = Dense::new(inputs, outputs, weights, bias).map_err(shape)?;
+        layers
+            .push(layer)
+            .map_err(|_| shape(too_many(Part::Layers, MAX_LAYERS)))?;
+    }
+    Mlp::new(&layers, network.output.into()).map_err(shape)
+}
+
+/// A reward ensemble that sees what the contract has.
+pub(crate) fn reward<'a>(
+    arrays: &mut Arrays<'a>,
+    reward: &Reward,
+    observation: usize,
+    action: usize,
+) -> Result<RewardEnsemble<'a>, ArtifactError> {
+    let shape = |error| ArtifactError::Shape {
+        place: Place::Reward,
+        error,
+    };
+    let range = RewardRange {
+        low: reward.low,
+        high: reward.high,
+    };
+    if !(range.low.is_finite() && range.high.is_finite() && range.low <= range.high) {
+        return Err(ArtifactError::RewardRange {
+            low: range.low,
+            high: range.high,
+        });
+    }
+    let input = RewardInput::from(reward.input);
+    let seen = match input {
+        RewardInput::Observation => observation,
+        RewardInput::ObservationAction => observation + action,
+    };
+    let normaliser = normaliser(arrays, seen, Place::RewardNormaliser)?;
+    let mut members = Vec::<Mlp<'a>, MAX_MEMBERS>::new();
+    for (index, network) in reward.members.iter().enumerate() {
+        let member = mlp(arrays, network, Place::RewardMember(index as u8))?;
+        members
+            .push(member)
+            .map_err(|_| shape(too_many(Part::Members, MAX_MEMBERS)))?;
+    }
+    RewardEnsemble::new(input, normaliser, &members, range).map_err(shape)
+}
+
+/// A discount whose numbers are in range.
+pub(crate) fn ted(ted: &Ted) -> Result<TedDiscount, ArtifactError> {
+    let threshold = ted_core::ReturnThreshold {
+        return_hat: ted.return_hat,
+        last_tied_episode: ted.last_tied_episode,
+    };
+    TedDiscount::new(ted.gamma, ted.sigma, threshold).map_err(ArtifactError::Discount)
+}
+
+/// A policy in integers: weights, biases, multipliers and shifts of each layer.
+pub(crate) fn integer_policy<'a>(
+    arrays: &mut Arrays<'a>,
+    integer: &Integer,
+) -> Result<IntegerPolicy<'a>, ArtifactError> {
+    let refused = |error: ShapeError| ArtifactError::Integer(IntegerError::Shape(error));
+    let mut layers = Vec::<IntegerDense<'a>, MAX_LAYERS>::new();
+    for (inputs, outputs) in integer.network.layers() {
+        check_widths(inputs, outputs).map_err(refused)?;
+        let weights = arrays.take(inputs * outputs)?;
+        let bias = arrays.take(outputs)?;
+        let multipliers = arrays.take(outputs)?;
+        let shifts = arrays.take(outputs)?;
+        let layer = IntegerDense::new(inputs, weights, bias, multipliers, shifts)
+            .map_err(ArtifactError::Integer)?;
+        layers
+            .push(layer)
+            .map_err(|_| refused(too_many(Part::Layers, MAX_LAYERS)))?;
+    }
+    let mlp = IntegerMlp::new(&layers, integer.network.output.into()).map_err(refused)?;
+    IntegerPolicy::new(
+        integer.input_fraction_bits,
+        integer.output_fraction_bits,
+        mlp,
+    )
+    .map_err(ArtifactError::Integer)
+}
+
+/// Checked before the product is formed, so that it cannot overflow.
+fn check_widths(inputs: usize, outputs: usize) -> Result<(), ShapeError> {
+    for (part, actual) in [(Part::Inputs, inputs), (Part::Outputs, outputs)] {
+        if actual > MAX_WIDTH {
+            return Err(ShapeError::TooLarge {
+                part,
+                limit: MAX_WIDTH,
+                actual,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn too_many(part: Part, limit: usize) -> ShapeError {
+    ShapeError::TooLarge {
+        part,
+        limit,
+        actual: limit + 1,
+    }
+}

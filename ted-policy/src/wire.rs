@@ -1,0 +1,134 @@
+//! The metadata as it is on the wire, format version 1.
+//!
+//! `docs/artifact-format.md` describes these types and carries their fingerprint. Postcard is not self-describing: any
+//! change here, a new order included, is a new format version.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+use ted_core::{MAX_LAYERS, MAX_MEMBERS, Output, RewardInput};
+#[cfg(feature = "std")]
+use ted_core::{Mlp, integer::IntegerMlp};
+
+use crate::contract::Contract;
+use crate::provenance::Provenance;
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Metadata<'a> {
+    #[serde(borrow)]
+    pub(crate) contract: Contract<'a>,
+    #[serde(borrow)]
+    pub(crate) provenance: Provenance<'a>,
+    pub(crate) policy: Network,
+    pub(crate) reward: Option<Reward>,
+    pub(crate) ted: Option<Ted>,
+    pub(crate) integer_policy: Option<Integer>,
+    pub(crate) golden_cases: u16,
+}
+
+/// A network: its widths from input to output, so one more than it has layers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Network {
+    pub(crate) output: Activation,
+    pub(crate) widths: Vec<u16, { MAX_LAYERS + 1 }>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) enum Activation {
+    Linear,
+    Tanh,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Reward {
+    pub(crate) input: Sees,
+    pub(crate) low: f32,
+    pub(crate) high: f32,
+    pub(crate) members: Vec<Network, MAX_MEMBERS>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) enum Sees {
+    Observation,
+    ObservationAction,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Ted {
+    pub(crate) gamma: f32,
+    pub(crate) sigma: f32,
+    pub(crate) return_hat: f32,
+    pub(crate) last_tied_episode: u32,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Integer {
+    pub(crate) input_fraction_bits: u8,
+    pub(crate) output_fraction_bits: u8,
+    pub(crate) network: Network,
+}
+
+impl From<Activation> for Output {
+    fn from(activation: Activation) -> Self {
+        match activation {
+            Activation::Linear => Self::Linear,
+            Activation::Tanh => Self::Tanh,
+        }
+    }
+}
+
+impl From<Output> for Activation {
+    fn from(output: Output) -> Self {
+        match output {
+            Output::Linear => Self::Linear,
+            Output::Tanh => Self::Tanh,
+        }
+    }
+}
+
+impl From<Sees> for RewardInput {
+    fn from(sees: Sees) -> Self {
+        match sees {
+            Sees::Observation => Self::Observation,
+            Sees::ObservationAction => Self::ObservationAction,
+        }
+    }
+}
+
+impl From<RewardInput> for Sees {
+    fn from(input: RewardInput) -> Self {
+        match input {
+            RewardInput::Observation => Self::Observation,
+            RewardInput::ObservationAction => Self::ObservationAction,
+        }
+    }
+}
+
+impl Network {
+    /// Inputs and outputs of each layer, first to last.
+    pub(crate) fn layers(&self) -> impl Iterator<Item = (usize, usize)> {
+        let widths = || self.widths.iter().map(|width| usize::from(*width));
+        widths().zip(widths().skip(1))
+    }
+
+    /// The shape of a network. Widths are at most [`ted_core::MAX_WIDTH`], so they fit.
+    #[cfg(feature = "std")]
+    pub(crate) fn of(mlp: &Mlp<'_>) -> Self {
+        let widths =
+            core::iter::once(mlp.inputs()).chain(mlp.layers().map(|layer| layer.outputs()));
+        Self {
+            output: mlp.output().into(),
+            widths: widths.map(|width| width as u16).collect(),
+        }
+    }
+
+    /// As [`Self::of`], for a network in integers.
+    #[cfg(feature = "std")]
+    pub(crate) fn of_integer(mlp: &IntegerMlp<'_>) -> Self {
+        let widths =
+            core::iter::once(mlp.inputs()).chain(mlp.layers().iter().map(|layer| layer.outputs()));
+        Self {
+            output: mlp.output().into(),
+            widths: widths.map(|width| width as u16).collect(),
+        }
+    }
+}
