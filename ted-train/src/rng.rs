@@ -39,6 +39,15 @@ impl Seed {
     pub fn rng(self) -> ChaCha8Rng {
         ChaCha8Rng::seed_from_u64(self.0)
     }
+
+    /// The generator of one step of this stream: drawing for step `step` needs no state from the steps before it, so a
+    /// resumed run draws what an uninterrupted one would have.
+    #[must_use]
+    pub fn rng_at(self, step: u64) -> ChaCha8Rng {
+        let mut rng = self.rng();
+        rng.set_stream(step);
+        rng
+    }
 }
 
 #[cfg(test)]
@@ -51,5 +60,16 @@ mod tests {
         assert_eq!(root.child("reward/3"), Seed::root(7).child("reward/3"));
         assert_ne!(root.child("reward/3"), root.child("reward/4"));
         assert_ne!(root.child("reward/3"), Seed::root(8).child("reward/3"));
+    }
+
+    #[test]
+    fn steps_of_a_stream_are_independent_of_the_steps_before() {
+        use rand::RngExt;
+        let stream = Seed::root(7).child("iql/batch");
+        let mut earlier = stream.rng_at(1);
+        let _: u64 = earlier.random();
+        let (a, b): (u64, u64) = (stream.rng_at(2).random(), stream.rng_at(2).random());
+        assert_eq!(a, b);
+        assert_ne!(a, stream.rng_at(3).random());
     }
 }

@@ -1,0 +1,166 @@
+//! One step of implicit Q-learning, in the original's order: V, policy, Q, target.
+
+use burn::tensor::{Tensor, TensorData};
+
+use super::networks::{HEADS, Iql};
+use super::{critic_loss, expectile_loss, policy_loss};
+
+/// A batch on the host, lane after lane, rows in row-major order.
+#[derive(Clone, Debug, Default)]
+pub struct Batch {
+    /// Standardised observations `[lane, batch, observation]`.
+    pub observations: Vec<f32>,
+    /// Standardised next observations `[lane, batch, observation]`.
+    pub next_observations: Vec<f32>,
+    /// Actions `[lane, batch, action]` in [-1, 1].
+    pub actions: Vec<f32>,
+    /// Rewards `[lane, batch]`.
+    pub rewards: Vec<f32>,
+    /// Discount of each transition `[lane, batch]`: `gamma(s, a)`, and 0 after a terminal.
+    pub discounts: Vec<f32>,
+}
+
+/// Losses and means of one update, averaged over lanes.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct UpdateMetrics {
+    /// Expectile loss of V.
+    pub value_loss: f32,
+    /// Advantage-weighted negative log-likelihood.
+    pub policy_loss: f32,
+    /// Mean squared Bellman error of one critic head.
+    pub critic_loss: f32,
+    /// Mean V(s) over the batch.
+    pub value: f32,
+    /// Mean advantage over the batch.
+    pub advantage: f32,
+}
+
+impl Iql {
+    /// One update on a batch. The metrics are lazy: [`Losses::read`] fetches them when somebody wants to log.
+    pub fn update(&mut self, batch: &Batch) -> Losses {
+        let lanes = self.log_std.dims()[0];
+        let rows = batch.rewards.len() / lanes;
+        let tensor = |data: &[f32]| -> Tensor<3> {
+            let width = data.len() / (lanes * rows);
+            Tensor::from_data(
+                TensorData::new(data.to_vec(), [lanes, rows, width]),
+                &self.device,
+            )
+        };
+        let observation = tensor(&batch.observations);
+        let next_observation = tensor(&batch.next_observations);
+        let action = tensor(&batch.actions);
+        let reward = tensor(&batch.rewards);
+        let discount = tensor(&batch.discounts);
+        let pair = for_each_head(Tensor::cat(vec![observation.clone(), action.clone()], 2));
+        let (rate, actor_rate) = (self.config.learning_rate, self.config.actor_rate(self.step));
+        let adam = self.config.adam;
+        self.step += 1;
+        let step = self.step;
+
+        // V, towards the expectile of the target critics' minimum.
+        let q_target = minimum_of_heads(self.target.forward(pair.clone()));
+        let (v, tape) = self.value.forward_tape(observation.clone());
+        let (value_loss, d_v) = expectile_loss(q_target.clone(), v, self.config.tau);
+        let gradients = self.value.gradients(tape, d_v);
+        adam.step(&mut self.value, &mut self.value_adam, gradients, rate, step);
+
+        // From here on V is the new one, in both places.
+        let both = self
+            .value
+            .forward(Tensor::cat(vec![observation.clone(), next_observation], 1));
+        let v = both.clone().narrow(1, 0, rows);
+        let v_next = both.narrow(1, rows, rows);
+
+        // Policy, by advantage-weighted regression onto the data's actions.
+        let advantage = q_target - v.clone();
+        let (mean, tape) = self.actor.forward_tape(observation);
+        let (policy_loss, d_mean, d_log_std) = policy_loss(
+            mean,
+            self.log_std.clone(),
+            action,
+            advantage.clone(),
+            &self.config,
+        );
+        let gradients = self.actor.gradients(tape, d_mean);
+        adam.step(
+            &mut self.actor,
+            &mut self.actor_adam,
+            gradients,
+            actor_rate,
+            step,
+        );
+        adam.tensor(
+            &mut self.log_std,
+            &mut self.log_std_adam,
+            d_log_std,
+            actor_rate,
+            step,
+        );
+
+        // Q, towards the Bellman target with each transition's own discount.
+        let y = for_each_head(reward + discount * v_next);
+        let (q, tape) = self.critic.forward_tape(pair);
+        let (critic_loss, d_q) = critic_loss(q, y);
+        let gradients = self.critic.gradients(tape, d_q);
+        adam.step(
+            &mut self.critic,
+            &mut self.critic_adam,
+            gradients,
+            rate,
+            step,
+        );
+
+        self.target.polyak(&self.critic, self.config.target_rate);
+        Losses {
+            value_loss,
+            policy_loss,
+            critic_loss,
+            value: v,
+            advantage,
+        }
+    }
+}
+
+/// What an update saw, still on the device.
+pub struct Losses {
+    value_loss: Tensor<3>,
+    policy_loss: Tensor<3>,
+    critic_loss: Tensor<3>,
+    value: Tensor<3>,
+    advantage: Tensor<3>,
+}
+
+impl Losses {
+    /// Fetches the numbers.
+    #[must_use]
+    pub fn read(self) -> UpdateMetrics {
+        let mean = |t: Tensor<3>| t.mean().into_scalar::<f32>();
+        UpdateMetrics {
+            value_loss: mean(self.value_loss),
+            policy_loss: mean(self.policy_loss),
+            critic_loss: mean(self.critic_loss),
+            value: mean(self.value),
+            advantage: mean(self.advantage),
+        }
+    }
+}
+
+/// `[lane, batch, w] -> [lane * heads, batch, w]`, or unchanged for one lane, which broadcasts.
+fn for_each_head(x: Tensor<3>) -> Tensor<3> {
+    let [lanes, batch, width] = x.dims();
+    if lanes == 1 {
+        return x;
+    }
+    x.unsqueeze_dim::<4>(1)
+        .expand([lanes, HEADS, batch, width])
+        .reshape([lanes * HEADS, batch, width])
+}
+
+/// `[lane * heads, batch, 1] -> [lane, batch, 1]`.
+fn minimum_of_heads(q: Tensor<3>) -> Tensor<3> {
+    let [members, batch, _] = q.dims();
+    let q = q.reshape([members / HEADS, HEADS, batch]);
+    let (first, second) = (q.clone().narrow(1, 0, 1), q.narrow(1, 1, 1));
+    first.min_pair(second).swap_dims(1, 2)
+}

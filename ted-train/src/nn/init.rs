@@ -1,0 +1,84 @@
+//! Initial weights, drawn on the host from a named stream so that every backend starts from the same bits.
+
+use nalgebra::DMatrix;
+use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
+
+/// How the weights of a layer are drawn; biases start at zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Initialiser {
+    /// Orthogonal with gain sqrt(2) (ikostrikov/implicit_q_learning `common.py`).
+    Orthogonal,
+    /// Uniform in +-1/sqrt(inputs), weights and biases (PyTorch's default, used by OPRL's reward networks).
+    UniformFanIn,
+}
+
+impl Initialiser {
+    /// Weights `[inputs, outputs]` in row-major order and biases `[outputs]`.
+    pub fn draw(self, inputs: usize, outputs: usize, rng: &mut impl Rng) -> (Vec<f32>, Vec<f32>) {
+        match self {
+            Self::Orthogonal => (
+                orthogonal(inputs, outputs, std::f64::consts::SQRT_2, rng),
+                vec![0.0; outputs],
+            ),
+            Self::UniformFanIn => {
+                let bound = 1.0 / (inputs as f32).sqrt();
+                let mut draw = |n| (0..n).map(|_| rng.random_range(-bound..bound)).collect();
+                (draw(inputs * outputs), draw(outputs))
+            }
+        }
+    }
+}
+
+/// A `[rows, columns]` matrix, row-major, whose shorter side is orthonormal, times `gain`.
+///
+/// The QR decomposition of a Gaussian matrix, with the signs of R's diagonal moved into Q so that the result is uniform
+/// over orthogonal matrices (Saxe et al. 2014, as in `jax.nn.initializers.orthogonal`).
+pub fn orthogonal(rows: usize, columns: usize, gain: f64, rng: &mut impl Rng) -> Vec<f32> {
+    let (tall, wide) = (rows.max(columns), rows.min(columns));
+    let gaussian = DMatrix::from_fn(tall, wide, |_, _| standard_normal(rng));
+    let qr = gaussian.qr();
+    let (q, r) = (qr.q(), qr.r());
+    let entry = |i: usize, j: usize| gain * q[(i, j)] * r[(j, j)].signum();
+    let mut weights = Vec::with_capacity(rows * columns);
+    for i in 0..rows {
+        for j in 0..columns {
+            weights.push(if rows >= columns {
+                entry(i, j)
+            } else {
+                entry(j, i)
+            } as f32);
+        }
+    }
+    weights
+}
+
+/// One draw of N(0, 1) by Box and Muller: two uniforms for each, nothing kept between calls.
+fn standard_normal(rng: &mut impl Rng) -> f64 {
+    let radius: f64 = 1.0 - rng.random::<f64>();
+    let angle: f64 = rng.random::<f64>() * std::f64::consts::TAU;
+    (-2.0 * radius.ln()).sqrt() * angle.cos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Seed;
+
+    #[test]
+    fn orthogonal_weights_have_orthogonal_shorter_side_with_the_gain() {
+        for (rows, columns) in [(39, 256), (256, 256), (256, 4), (256, 1)] {
+            let w = orthogonal(rows, columns, 2f64.sqrt(), &mut Seed::root(1).rng());
+            let m = DMatrix::from_row_slice(rows, columns, &w).map(f64::from);
+            let gram = if rows >= columns {
+                m.transpose() * &m
+            } else {
+                &m * m.transpose()
+            };
+            let error =
+                (gram - DMatrix::identity(rows.min(columns), rows.min(columns)) * 2.0).amax();
+            assert!(error < 1e-5, "{rows}x{columns}: {error}");
+        }
+    }
+}
