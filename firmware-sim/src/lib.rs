@@ -5,5 +5,13 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod controller;
 #[cfg(feature = "std")]
 pub mod plant;
+#[cfg(feature = "std")]
+pub mod plants;
+#[cfg(feature = "std")]
+pub mod rollout;
+pub mod safety;
+#[cfg(feature = "std")]
+mod splitmix;

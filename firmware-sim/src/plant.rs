@@ -74,12 +74,12 @@ pub enum PlantError {
     #[error("use the plant outside an episode: reset it first")]
     NoEpisode,
     /// A recording has no episode of this seed.
-    #[error("replay episode {seed}: the recording holds episodes {held}")]
+    #[error("replay episode {seed}: the recording has no such seed among its {held} episodes")]
     NoRecording {
         /// The seed asked for.
         seed: u64,
-        /// The seeds there are, in words.
-        held: String,
+        /// How many episodes it has.
+        held: usize,
     },
     /// The process or device that holds the plant failed, in its own words.
     #[error(transparent)]

@@ -1,0 +1,159 @@
+//! The control loop: one observation in, one action out, every control period, whatever happens.
+//!
+//! A controller exists only for an artefact that passed its load gate. Once a check fails, the reason is latched and
+//! the safe action goes out until someone decides otherwise.
+
+use core::error::Error;
+use core::fmt;
+
+use ted_core::{Policy, Scratch};
+use ted_policy::{Artifact, ArtifactError};
+
+use crate::safety::{
+    Action, ActionGuard, Deadline, Fault, ObservationFrame, ObservationGuard, Sent,
+};
+
+/// Why a controller does not take a parsed artefact on board.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LoadFault {
+    /// An action channel is to be zeroed on a fault, but zero is outside its range.
+    NoSafeAction {
+        /// The channel.
+        channel: usize,
+    },
+    /// This machine does not compute the golden vectors bit for bit.
+    Golden(ArtifactError),
+}
+
+impl fmt::Display for LoadFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSafeAction { channel } => write!(
+                f,
+                "fly the artefact: action channel {channel} has no zero in its range to stop at; export it again"
+            ),
+            Self::Golden(error) => write!(f, "fly the artefact: {error}"),
+        }
+    }
+}
+
+impl Error for LoadFault {}
+
+/// What a tick did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// Ticks since the start of the episode, this one not counted.
+    pub tick: u32,
+    /// The latched fault: while there is one, the safe action goes out.
+    pub fault: Option<Fault>,
+    /// Whether the policy's action was outside the contract's range.
+    pub clamped: bool,
+    /// Whether the policy's action was too far from the last one sent.
+    pub slew_limited: bool,
+    /// Whether this tick came late.
+    pub deadline_missed: bool,
+    /// Late ticks since the start of the episode.
+    pub deadlines_missed: u32,
+}
+
+/// A policy behind its checks, ready to fly.
+///
+/// It owns its scratch memory and copies the contract's numbers, so that a tick touches nothing but itself and the
+/// borrowed weights.
+#[derive(Clone, Debug)]
+pub struct Controller<'a> {
+    policy: Policy<'a>,
+    scratch: Scratch,
+    observation_guard: ObservationGuard,
+    action_guard: ActionGuard,
+    deadline: Deadline,
+    latched: Option<Fault>,
+    tick: u32,
+}
+
+impl<'a> Controller<'a> {
+    /// The load gate. What parsing proved holds already: shapes, finite weights, ordered ranges, at least one golden
+    /// vector. Here the plant must have a way to stop, and this machine must compute the golden vectors bit for bit.
+    ///
+    /// # Errors
+    /// What the artefact failed on; it does not fly then.
+    pub fn load(artifact: &Artifact<'a>) -> Result<Self, LoadFault> {
+        let contract = artifact.contract();
+        let action_guard = ActionGuard::new(contract);
+        if let Some(channel) = action_guard.channel_without_stop() {
+            return Err(LoadFault::NoSafeAction { channel });
+        }
+        let mut scratch = Scratch::new();
+        artifact
+            .verify_golden(&mut scratch)
+            .map_err(LoadFault::Golden)?;
+        Ok(Self {
+            policy: artifact.policy(),
+            scratch,
+            observation_guard: ObservationGuard::new(contract),
+            action_guard,
+            deadline: Deadline::new(contract.control_period_us),
+            latched: None,
+            tick: 0,
+        })
+    }
+
+    /// One control period: judges the observation, asks the policy, judges the action.
+    ///
+    /// There is always an action. With a fault latched it is the safe one, and the policy is not asked.
+    pub fn tick(&mut self, now_us: u64, frame: &ObservationFrame<'_>) -> (Action, Status) {
+        let missed_before = self.deadline.missed();
+        let on_time = self.deadline.tick(now_us);
+        let sent = match self.latched {
+            Some(fault) => Err(fault),
+            None => on_time.and_then(|()| self.fly(now_us, frame)),
+        };
+        let mut status = Status {
+            tick: self.tick,
+            fault: sent.as_ref().err().copied(),
+            clamped: false,
+            slew_limited: false,
+            deadline_missed: self.deadline.missed() != missed_before,
+            deadlines_missed: self.deadline.missed(),
+        };
+        self.tick = self.tick.saturating_add(1);
+        self.latched = status.fault;
+        match sent {
+            Ok(sent) => {
+                (status.clamped, status.slew_limited) = (sent.clamped, sent.slew_limited);
+                (sent.action, status)
+            }
+            Err(_) => (self.action_guard.send_safe(), status),
+        }
+    }
+
+    /// Starts a new episode: the plant is at rest, and everything of the last episode is forgotten.
+    pub fn reset(&mut self) {
+        self.rearm();
+        self.action_guard.reset();
+        self.deadline.reset();
+        self.tick = 0;
+    }
+
+    /// Gives the controls back to the policy in mid-episode: forgets the latched fault and accepts any sequence number
+    /// and any pause once, but still knows what was last sent, so that a held gripper stays held.
+    pub fn rearm(&mut self) {
+        self.latched = None;
+        self.observation_guard.rearm();
+        self.deadline.rearm();
+    }
+
+    fn fly(&mut self, now_us: u64, frame: &ObservationFrame<'_>) -> Result<Sent, Fault> {
+        self.observation_guard.check(now_us, frame)?;
+        let mut action = Action::new();
+        let room = action.resize(self.policy.action_dim(), 0.0);
+        let acted = self
+            .policy
+            .act(frame.values, &mut self.scratch, &mut action);
+        if room.is_err() || acted.is_err() {
+            return Err(Fault::PolicyRefused);
+        }
+        self.action_guard.send(&action)
+    }
+}

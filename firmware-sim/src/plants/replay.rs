@@ -1,0 +1,304 @@
+//! A recording as a plant: it shows the recorded observations, whatever it is told to do, and measures how far the
+//! actions sent to it are from the recorded ones.
+//!
+//! A policy that was recorded through this controller comes back with a difference of zero.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::plant::{Observed, Plant, PlantError, StepOutcome};
+
+/// One recorded episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// The seed the episode is asked for by.
+    pub seed: u64,
+    /// One row per step and one after the last.
+    pub observations: Vec<f32>,
+    /// One row per step.
+    pub actions: Vec<f32>,
+    /// One value per step.
+    pub rewards: Vec<f64>,
+    /// One value per step.
+    pub success: Vec<bool>,
+}
+
+/// The row lengths and the period that all recordings of a plant share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingShape {
+    /// Values in an observation.
+    pub observation_dim: usize,
+    /// Values in an action.
+    pub action_dim: usize,
+    /// Time between two steps.
+    pub control_period_us: u32,
+}
+
+/// The arrays of a recording do not fit together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("replay episode {seed}: its {array} hold {actual} values, {expected} are needed")]
+pub struct RecordingError {
+    /// The episode.
+    pub seed: u64,
+    /// Which array.
+    pub array: &'static str,
+    /// Values it must hold.
+    pub expected: usize,
+    /// Values it holds.
+    pub actual: usize,
+}
+
+/// Where a sent action was farthest from the recorded one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// The episode.
+    pub seed: u64,
+    /// The step.
+    pub step: usize,
+    /// The action dimension.
+    pub dimension: usize,
+    /// What the controller sent.
+    pub sent: f32,
+    /// What was recorded.
+    pub recorded: f32,
+    /// The distance between the two; infinite when one of them is NaN.
+    pub absolute: f32,
+}
+
+/// Recorded episodes, shown again.
+#[derive(Clone, Debug)]
+pub struct ReplayPlant {
+    shape: RecordingShape,
+    recordings: Vec<Recording>,
+    running: Option<(usize, usize)>,
+    largest: Option<Difference>,
+}
+
+impl ReplayPlant {
+    /// A plant that shows these episodes.
+    ///
+    /// # Errors
+    /// When a recording's arrays do not have the lengths its number of rewards asks for.
+    pub fn new(shape: RecordingShape, recordings: Vec<Recording>) -> Result<Self, RecordingError> {
+        for recording in &recordings {
+            recording.check(shape)?;
+        }
+        Ok(Self {
+            shape,
+            recordings,
+            running: None,
+            largest: None,
+        })
+    }
+
+    /// The seeds of the recorded episodes, in their order.
+    pub fn seeds(&self) -> impl Iterator<Item = u64> + '_ {
+        self.recordings.iter().map(|recording| recording.seed)
+    }
+
+    /// The largest difference since this plant was made; none before the first action.
+    #[must_use]
+    pub fn largest_difference(&self) -> Option<Difference> {
+        self.largest
+    }
+
+    fn episode(&self) -> Result<(&Recording, usize), PlantError> {
+        let (index, step) = self.running.ok_or(PlantError::NoEpisode)?;
+        let recording = self.recordings.get(index).ok_or(PlantError::NoEpisode)?;
+        Ok((recording, step))
+    }
+}
+
+impl Plant for ReplayPlant {
+    fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
+        let index = self.seeds().position(|recorded| recorded == seed);
+        let index = index.ok_or(PlantError::NoRecording {
+            seed,
+            held: self.recordings.len(),
+        })?;
+        self.running = Some((index, 0));
+        Ok(())
+    }
+
+    fn now_us(&self) -> u64 {
+        let step = self.running.map_or(0, |(_, step)| step);
+        step as u64 * u64::from(self.shape.control_period_us)
+    }
+
+    fn observe(&mut self) -> Result<Observed, PlantError> {
+        let (recording, step) = self.episode()?;
+        let row = row(&recording.observations, step, self.shape.observation_dim);
+        Ok(Observed {
+            sequence: step as u32,
+            stamp_us: self.now_us(),
+            values: row.ok_or(PlantError::NoEpisode)?.to_vec(),
+        })
+    }
+
+    fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
+        let expected = self.shape.action_dim;
+        if action_env.len() != expected {
+            return Err(PlantError::ActionLength {
+                expected,
+                actual: action_env.len(),
+            });
+        }
+        let (recording, step) = self.episode()?;
+        let (Some(&reward_true), Some(&success)) =
+            (recording.rewards.get(step), recording.success.get(step))
+        else {
+            return Err(PlantError::NoEpisode);
+        };
+        let done = step + 1 == recording.rewards.len();
+        let recorded = row(&recording.actions, step, expected).unwrap_or_default();
+        let worst = farthest(recording.seed, step, action_env, recorded);
+        if self
+            .largest
+            .is_none_or(|largest| worst.is_some_and(|worst| worst.absolute > largest.absolute))
+        {
+            self.largest = worst;
+        }
+        self.running = self.running.map(|(index, step)| (index, step + 1));
+        Ok(StepOutcome {
+            reward_true,
+            success,
+            done,
+        })
+    }
+}
+
+impl Recording {
+    fn check(&self, shape: RecordingShape) -> Result<(), RecordingError> {
+        let steps = self.rewards.len();
+        let needed = [
+            ("rewards", steps.max(1), steps),
+            (
+                "observations",
+                (steps + 1) * shape.observation_dim,
+                self.observations.len(),
+            ),
+            ("actions", steps * shape.action_dim, self.actions.len()),
+            ("success flags", steps, self.success.len()),
+        ];
+        match needed
+            .into_iter()
+            .find(|(_, expected, actual)| expected != actual)
+        {
+            Some((array, expected, actual)) => Err(RecordingError {
+                seed: self.seed,
+                array,
+                expected,
+                actual,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn row(array: &[f32], index: usize, dim: usize) -> Option<&[f32]> {
+    array.get(index * dim..(index + 1) * dim)
+}
+
+fn farthest(seed: u64, step: usize, sent: &[f32], recorded: &[f32]) -> Option<Difference> {
+    let pairs = sent.iter().zip(recorded).enumerate();
+    let differences = pairs.map(|(dimension, (&sent, &recorded))| {
+        let distance = (sent - recorded).abs();
+        let absolute = if distance.is_nan() {
+            f32::INFINITY
+        } else {
+            distance
+        };
+        Difference {
+            seed,
+            step,
+            dimension,
+            sent,
+            recorded,
+            absolute,
+        }
+    });
+    differences.reduce(|worst, next| {
+        if next.absolute > worst.absolute {
+            next
+        } else {
+            worst
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPE: RecordingShape = RecordingShape {
+        observation_dim: 2,
+        action_dim: 1,
+        control_period_us: 1_000,
+    };
+
+    fn recording() -> Recording {
+        Recording {
+            seed: 9,
+            observations: vec![0.0, 0.1, 1.0, 1.1, 2.0, 2.1],
+            actions: vec![0.5, -0.5],
+            rewards: vec![1.0, 2.0],
+            success: vec![false, true],
+        }
+    }
+
+    #[test]
+    fn a_recording_is_shown_as_it_was_whatever_is_sent() {
+        let mut plant = ReplayPlant::new(SHAPE, vec![recording()]).unwrap();
+        plant.reset(9).unwrap();
+        assert_eq!(plant.observe().unwrap().values, [0.0, 0.1]);
+        assert_eq!(plant.apply(&[1.0]).unwrap().reward_true, 1.0);
+        let second = plant.observe().unwrap();
+        assert_eq!((second.sequence, second.stamp_us), (1, 1_000));
+        assert_eq!(second.values, [1.0, 1.1]);
+        let last = plant.apply(&[-0.5]).unwrap();
+        assert!(last.done && last.success);
+        assert!(matches!(plant.apply(&[0.0]), Err(PlantError::NoEpisode)));
+    }
+
+    #[test]
+    fn the_largest_difference_is_kept_with_its_place() {
+        let mut plant = ReplayPlant::new(SHAPE, vec![recording()]).unwrap();
+        plant.reset(9).unwrap();
+        plant.apply(&[0.5]).unwrap();
+        assert_eq!(plant.largest_difference().unwrap().absolute, 0.0);
+        plant.apply(&[0.25]).unwrap();
+        let worst = plant.largest_difference().unwrap();
+        assert_eq!((worst.step, worst.absolute), (1, 0.75));
+        plant.reset(9).unwrap();
+        plant.apply(&[f32::NAN]).unwrap();
+        assert_eq!(plant.largest_difference().unwrap().absolute, f32::INFINITY);
+    }
+
+    #[test]
+    fn an_array_of_the_wrong_length_is_named() {
+        let mut short = recording();
+        short.observations.pop();
+        let error = ReplayPlant::new(SHAPE, vec![short]).unwrap_err();
+        assert_eq!(
+            (error.array, error.expected, error.actual),
+            ("observations", 6, 5)
+        );
+        let empty = Recording::default();
+        assert_eq!(
+            ReplayPlant::new(SHAPE, vec![empty]).unwrap_err().array,
+            "rewards"
+        );
+    }
+
+    #[test]
+    fn an_unknown_seed_is_refused_with_the_known_ones() {
+        let mut plant = ReplayPlant::new(SHAPE, vec![recording()]).unwrap();
+        let error = plant.reset(1).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "replay episode 1: the recording has no such seed among its 1 episodes"
+        );
+    }
+}

@@ -1,0 +1,183 @@
+//! Flying episodes: a controller and a plant in lockstep, many plants side by side.
+//!
+//! An episode is a function of the artefact, the kind of plant and the seed. Which worker flew it, and after what, makes
+//! no difference; so the trainer's evaluation and `firmware-sim fly` agree to the bit.
+
+mod episode;
+mod score;
+mod tick_times;
+
+pub use episode::{EpisodeReport, Latched, fly_episode};
+pub use score::{Summary, normalised_score};
+pub use tick_times::TickTimes;
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Sender};
+use std::thread;
+
+use ted_policy::Artifact;
+use thiserror::Error;
+
+use crate::controller::{Controller, LoadFault};
+use crate::plant::{Plant, PlantError};
+use crate::splitmix::mix;
+
+/// Keeps the seeds of evaluation apart from other uses of the same root seed.
+const EVALUATION: u64 = 0x6576_616c_7561_7465;
+
+/// The seed of evaluation episode `index` under a root seed. Everyone who evaluates flies these episodes.
+#[must_use]
+pub const fn episode_seed(root: u64, index: u64) -> u64 {
+    mix(root ^ EVALUATION, index)
+}
+
+/// The seeds of the first `episodes` evaluation episodes under a root seed.
+#[must_use]
+pub fn episode_seeds(root: u64, episodes: usize) -> Vec<u64> {
+    (0..episodes as u64)
+        .map(|index| episode_seed(root, index))
+        .collect()
+}
+
+/// What a flight brought home.
+#[derive(Clone, Debug, Default)]
+pub struct Flight {
+    /// One report per seed, in the order of the seeds.
+    pub episodes: Vec<EpisodeReport>,
+    /// How long the controller's ticks took on this machine; the only thing here that differs from run to run.
+    pub tick_times: TickTimes,
+}
+
+/// Why a flight ended early.
+#[derive(Debug, Error)]
+pub enum FlyError {
+    /// The controller does not take the artefact.
+    #[error(transparent)]
+    Load(#[from] LoadFault),
+    /// No plant could be had for a worker.
+    #[error("make a plant ready: {0}")]
+    NoPlant(#[source] PlantError),
+    /// An episode failed, and, where a fresh plant could help, failed again on one.
+    #[error("fly the episode of seed {seed}: {source}")]
+    Episode {
+        /// The episode's seed.
+        seed: u64,
+        /// What the plant said.
+        source: PlantError,
+    },
+    /// Someone asked to stop.
+    #[error("fly all episodes: stopped on request after {flown}")]
+    Interrupted {
+        /// Episodes flown by then.
+        flown: usize,
+    },
+}
+
+/// Flies one episode per seed, on `workers` plants side by side.
+///
+/// `make_plant` is called once per worker, and again when a plant's link breaks in mid-episode: that episode is flown
+/// again from its seed, once. `stop` is asked between episodes; `landed` hears of each as it ends, in any order.
+///
+/// # Errors
+/// When the artefact is refused, a plant fails for good, or `stop` said so.
+pub fn fly<P: Plant>(
+    artifact: &Artifact<'_>,
+    make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    seeds: &[u64],
+    workers: NonZeroUsize,
+    stop: impl Fn() -> bool + Sync,
+    mut landed: impl FnMut(&EpisodeReport),
+) -> Result<Flight, FlyError> {
+    let controller = Controller::load(artifact)?;
+    let crew = Crew {
+        controller,
+        make_plant,
+        seeds,
+        stop,
+        next: AtomicUsize::new(0),
+        failed: AtomicBool::new(false),
+    };
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..workers.get().min(seeds.len()) {
+            let (crew, sender) = (&crew, sender.clone());
+            scope.spawn(move || crew.work(&sender));
+        }
+        drop(sender);
+        let mut slots: Vec<Option<EpisodeReport>> = seeds.iter().map(|_| None).collect();
+        let mut tick_times = TickTimes::default();
+        let mut first_error = None;
+        for message in receiver {
+            match message {
+                Ok((index, report, times)) => {
+                    landed(&report);
+                    tick_times.append(times);
+                    slots[index] = Some(report);
+                }
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        let episodes: Vec<EpisodeReport> = slots.into_iter().flatten().collect();
+        match first_error {
+            Some(error) => Err(error),
+            None if episodes.len() < seeds.len() => Err(FlyError::Interrupted {
+                flown: episodes.len(),
+            }),
+            None => Ok(Flight {
+                episodes,
+                tick_times,
+            }),
+        }
+    })
+}
+
+type Landing = Result<(usize, EpisodeReport, TickTimes), FlyError>;
+
+/// What the workers of a flight share.
+struct Crew<'a, M, S> {
+    controller: Controller<'a>,
+    make_plant: M,
+    seeds: &'a [u64],
+    stop: S,
+    next: AtomicUsize,
+    failed: AtomicBool,
+}
+
+impl<P: Plant, M: Fn() -> Result<P, PlantError>, S: Fn() -> bool> Crew<'_, M, S> {
+    fn work(&self, landings: &Sender<Landing>) {
+        if let Err(error) = self.fly_until_done(landings) {
+            self.failed.store(true, Ordering::Relaxed);
+            // The receiver lives until every worker has ended.
+            let _ = landings.send(Err(error));
+        }
+    }
+
+    fn fly_until_done(&self, landings: &Sender<Landing>) -> Result<(), FlyError> {
+        let mut controller = self.controller.clone();
+        let mut plant = (self.make_plant)().map_err(FlyError::NoPlant)?;
+        while !self.failed.load(Ordering::Relaxed) && !(self.stop)() {
+            let index = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(&seed) = self.seeds.get(index) else {
+                break;
+            };
+            let (report, times) = self.fly_seed(&mut controller, &mut plant, seed)?;
+            let _ = landings.send(Ok((index, report, times)));
+        }
+        Ok(())
+    }
+
+    fn fly_seed(
+        &self,
+        controller: &mut Controller<'_>,
+        plant: &mut P,
+        seed: u64,
+    ) -> Result<(EpisodeReport, TickTimes), FlyError> {
+        let mut flown = fly_episode(controller, plant, seed);
+        if matches!(flown, Err(PlantError::Link(_))) && !(self.stop)() {
+            *plant = (self.make_plant)().map_err(FlyError::NoPlant)?;
+            flown = fly_episode(controller, plant, seed);
+        }
+        flown.map_err(|source| FlyError::Episode { seed, source })
+    }
+}

@@ -1,0 +1,162 @@
+//! Whether and how an action may go out: finite, inside the contract's range, and not too far from the last one sent.
+
+use heapless::Vec;
+use ted_core::MAX_ACTION;
+use ted_policy::{ActionChannel, Contract};
+
+use super::Fault;
+
+/// One value per action channel of the contract, in its units.
+pub type Action = Vec<f32, MAX_ACTION>;
+
+/// An action that may go out, and what had to be done to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sent {
+    /// What goes out.
+    pub action: Action,
+    /// Whether a value was outside its range.
+    pub clamped: bool,
+    /// Whether a value was too far from the last one sent.
+    pub slew_limited: bool,
+}
+
+/// What the contract promises about actions, and the last one sent.
+#[derive(Clone, Debug)]
+pub struct ActionGuard {
+    limits: Vec<Limit, MAX_ACTION>,
+    last_sent: Action,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Limit {
+    low: f32,
+    high: f32,
+    slew_per_tick: f32,
+    safe: SafeAction,
+}
+
+/// What a channel is sent while a fault is latched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SafeAction {
+    /// Zero: a motion stops.
+    Zero,
+    /// What was sent last: a gripper keeps its grip.
+    HoldLast,
+}
+
+impl SafeAction {
+    fn of(channel: &ActionChannel<'_>) -> Self {
+        if channel.name == "gripper" {
+            Self::HoldLast
+        } else {
+            Self::Zero
+        }
+    }
+}
+
+impl ActionGuard {
+    /// A guard for this contract, with the plant at rest: zero counts as the last action sent.
+    #[must_use]
+    pub fn new(contract: &Contract<'_>) -> Self {
+        // At most as many as the contract itself has room for.
+        let limits: Vec<Limit, MAX_ACTION> = contract.action.iter().map(Limit::of).collect();
+        let last_sent = limits.iter().map(Limit::rest).collect();
+        Self { limits, last_sent }
+    }
+
+    /// The first channel that stops at zero but must not be sent zero.
+    #[must_use]
+    pub fn channel_without_stop(&self) -> Option<usize> {
+        self.limits
+            .iter()
+            .position(|limit| limit.safe == SafeAction::Zero && limit.rest() != 0.0)
+    }
+
+    /// The nearest action to the wanted one that may go out.
+    ///
+    /// # Errors
+    /// When a wanted value is not finite; nothing is sent then.
+    pub fn send(&mut self, action_env: &[f32]) -> Result<Sent, Fault> {
+        if let Some(index) = action_env.iter().position(|value| !value.is_finite()) {
+            return Err(Fault::ActionNotFinite { index });
+        }
+        let (mut clamped, mut slew_limited) = (false, false);
+        for ((last, limit), &wanted) in self.last_sent.iter_mut().zip(&self.limits).zip(action_env)
+        {
+            let inside = limit.clamp(wanted);
+            let reached = limit.slew(*last, inside);
+            clamped |= inside != wanted;
+            slew_limited |= reached != inside;
+            *last = reached;
+        }
+        Ok(Sent {
+            action: self.last_sent.clone(),
+            clamped,
+            slew_limited,
+        })
+    }
+
+    /// The action that keeps the plant where it is: every channel at zero, or as it was last sent.
+    ///
+    /// It stops at once: the slew limit protects against a jumping policy and is not applied to stopping.
+    pub fn send_safe(&mut self) -> Action {
+        for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
+            if limit.safe == SafeAction::Zero {
+                *last = limit.rest();
+            }
+        }
+        self.last_sent.clone()
+    }
+
+    /// Puts the plant at rest again.
+    pub fn reset(&mut self) {
+        for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
+            *last = limit.rest();
+        }
+    }
+}
+
+impl Limit {
+    fn of(channel: &ActionChannel<'_>) -> Self {
+        let ActionChannel {
+            low,
+            high,
+            slew_per_tick,
+            ..
+        } = *channel;
+        Self {
+            low,
+            high,
+            slew_per_tick,
+            safe: SafeAction::of(channel),
+        }
+    }
+
+    /// Zero, or the end of the range nearest to it.
+    fn rest(&self) -> f32 {
+        self.clamp(0.0)
+    }
+
+    /// Written out because `f32::clamp` panics on a range in disorder.
+    fn clamp(&self, value: f32) -> f32 {
+        if value < self.low {
+            self.low
+        } else if value > self.high {
+            self.high
+        } else {
+            value
+        }
+    }
+
+    /// A wanted value within reach goes out with its bits unchanged.
+    fn slew(&self, last: f32, wanted: f32) -> f32 {
+        let change = wanted - last;
+        if change > self.slew_per_tick {
+            self.clamp(last + self.slew_per_tick)
+        } else if change < -self.slew_per_tick {
+            self.clamp(last - self.slew_per_tick)
+        } else {
+            wanted
+        }
+    }
+}
