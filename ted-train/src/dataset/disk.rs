@@ -1,0 +1,127 @@
+//! Writing that survives a kill: bytes reach the disk before a name points at them.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Why something could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The device or the quota is full.
+    #[error(
+        "no space left while writing {path}: free some and run the same command again; what is complete is kept ({source})"
+    )]
+    DiskFull {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Any other failure of the file system.
+    #[error("cannot write {path}: {source}")]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Another process is writing there.
+    #[error("another process is writing to {path}: wait for it, or choose another folder or seed")]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds something else than what is to be written.
+    #[error(
+        "{path} was begun differently: {difference}; choose another folder, or delete it to start anew"
+    )]
+    Different {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        difference: String,
+    },
+    /// An episode that is not consistent in itself.
+    #[error(transparent)]
+    Episode(#[from] super::DatasetError),
+}
+
+impl WriteError {
+    pub(super) fn at(path: &Path, source: io::Error) -> Self {
+        let path = path.to_path_buf();
+        match source.kind() {
+            io::ErrorKind::StorageFull
+            | io::ErrorKind::QuotaExceeded
+            | io::ErrorKind::FileTooLarge => Self::DiskFull { path, source },
+            _ => Self::Io { path, source },
+        }
+    }
+}
+
+/// The file system, with the one operation that a test needs to fail.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Disk {
+    create: fn(&Path) -> io::Result<File>,
+}
+
+impl Disk {
+    pub(super) const REAL: Self = Self {
+        create: |path| File::create(path),
+    };
+
+    #[cfg(test)]
+    pub(super) fn with_create(create: fn(&Path) -> io::Result<File>) -> Self {
+        Self { create }
+    }
+
+    /// Writes a file and waits until it is on the disk.
+    pub(super) fn write(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+        (self.create)(path)
+            .and_then(|mut file| {
+                file.write_all(bytes)?;
+                file.sync_all()
+            })
+            .map_err(|error| WriteError::at(path, error))
+    }
+
+    /// Puts `bytes` in the place of `path` in one step: a reader sees the old file or the new one.
+    pub(super) fn replace(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+        let temporary = path.with_extension("tmp");
+        self.write(&temporary, bytes)?;
+        rename(&temporary, path)
+    }
+}
+
+/// Renames inside one folder and waits until the new name is on the disk.
+pub(super) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
+    fs::rename(from, to).map_err(|error| WriteError::at(to, error))?;
+    match to.parent() {
+        Some(folder) => sync_folder(folder),
+        None => Ok(()),
+    }
+}
+
+/// Waits until the names inside a folder are on the disk.
+pub(super) fn sync_folder(folder: &Path) -> Result<(), WriteError> {
+    File::open(folder)
+        .and_then(|folder| folder.sync_all())
+        .map_err(|error| WriteError::at(folder, error))
+}
+
+/// Creates a folder and those above it.
+pub(super) fn create_folder(folder: &Path) -> Result<(), WriteError> {
+    fs::create_dir_all(folder).map_err(|error| WriteError::at(folder, error))
+}
+
+/// Locks `folder` against a second writer for as long as the returned file lives.
+pub(super) fn lock(folder: &Path) -> Result<File, WriteError> {
+    let path = folder.join(".writer.lock");
+    let file = File::create(&path).map_err(|error| WriteError::at(&path, error))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(WriteError::Busy {
+            path: folder.to_path_buf(),
+        }),
+        Err(TryLockError::Error(error)) => Err(WriteError::at(&path, error)),
+    }
+}

@@ -1,0 +1,158 @@
+//! Everything that can be wrong with a dataset, each as what, where, and the way out.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a dataset was refused. `place` is a file, or an episode of a dataset built in memory.
+#[derive(Debug, thiserror::Error)]
+pub enum DatasetError {
+    /// Nothing at this path.
+    #[error("no dataset at {path}: collect one with `ted collect`, or correct the path")]
+    NotFound {
+        /// Where it was looked for.
+        path: PathBuf,
+    },
+    /// A folder without `metadata.json`.
+    #[error(
+        "no metadata.json in {path}: either this is not a Minari dataset, or its collection has not finished; \
+         the same `ted collect` command goes on where it was"
+    )]
+    MissingMetadata {
+        /// The data folder.
+        path: PathBuf,
+    },
+    /// A file that cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A metadata file that does not say what it must.
+    #[error(
+        "{path} is not valid Minari metadata: {reason}; restore the file or collect the dataset again"
+    )]
+    Metadata {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        reason: String,
+    },
+    /// A storage format this reader does not know.
+    #[error(
+        "{path} is stored as {format}, and only arrow is read; convert it with the minari package: \
+         MinariStorage.new(..., data_format=\"arrow\").update_from_storage(MinariStorage.read(...))"
+    )]
+    Format {
+        /// The data folder.
+        path: PathBuf,
+        /// The format its metadata names.
+        format: String,
+    },
+    /// An observation or action space that is not a flat box of floats.
+    #[error(
+        "{space} of {path} is {actual}, expected a Box of float32 or float64 with one dimension; flatten the space first"
+    )]
+    Space {
+        /// The metadata file.
+        path: PathBuf,
+        /// `observation_space` or `action_space`.
+        space: &'static str,
+        /// What it is instead.
+        actual: String,
+    },
+    /// An episode that the metadata promises and the disk does not have.
+    #[error(
+        "episode {episode} of {total} is missing: no {path}; restore it from a copy, or run the `ted collect` command of this \
+         dataset again, which fills what is missing"
+    )]
+    MissingEpisode {
+        /// Its index.
+        episode: u32,
+        /// How many the metadata promises.
+        total: u32,
+        /// The file that should be there.
+        path: PathBuf,
+    },
+    /// A file whose bytes are not what was written.
+    #[error(
+        "{place} is damaged: {reason}; restore it from a copy, or delete its folder and run `ted collect` again"
+    )]
+    Damaged {
+        /// The file.
+        place: String,
+        /// How that shows.
+        reason: String,
+    },
+    /// A column that training needs.
+    #[error("{place} has no column `{column}`; the dataset must be recorded with it")]
+    MissingColumn {
+        /// The file.
+        place: String,
+        /// The column.
+        column: &'static str,
+    },
+    /// An array of the wrong length, width or type.
+    #[error(
+        "{array} of {place}: expected {expected}, got {actual}; the recording is inconsistent and must be repaired or left out"
+    )]
+    WrongShape {
+        /// The file or episode.
+        place: String,
+        /// The array.
+        array: String,
+        /// What was asked for.
+        expected: String,
+        /// What is there.
+        actual: String,
+    },
+    /// A NaN or an infinity.
+    #[error(
+        "{array} of {place} holds {value} at row {row}, column {column}; every value must be finite, so repair or drop the episode"
+    )]
+    NotFinite {
+        /// The file or episode.
+        place: String,
+        /// The array.
+        array: &'static str,
+        /// Row inside the episode.
+        row: usize,
+        /// Column inside the row.
+        column: usize,
+        /// The value as it prints.
+        value: f64,
+    },
+    /// An episode without a single step.
+    #[error("{place} has no steps; leave the episode out of the dataset")]
+    EmptyEpisode {
+        /// The file or episode.
+        place: String,
+    },
+    /// A dataset without a single episode.
+    #[error("the dataset {id} has no episodes; collect some with `ted collect`")]
+    NoEpisodes {
+        /// The dataset's id.
+        id: String,
+    },
+    /// A dataset larger than the index types.
+    #[error(
+        "the dataset {id} has {steps} steps, more than the {limit} that one dataset may have; split it"
+    )]
+    TooLarge {
+        /// The dataset's id.
+        id: String,
+        /// How many it has.
+        steps: u64,
+        /// How many it may have.
+        limit: u64,
+    },
+    /// A dataset id that Minari would refuse.
+    #[error("`{id}` is not a dataset id: {reason}; write it as namespace/name-v0")]
+    Id {
+        /// The id.
+        id: String,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+}

@@ -1,0 +1,223 @@
+//! The JSON beside the arrays: what Minari asks for, and what this project adds under `ted`.
+
+use super::{METADATA, MINARI_VERSION};
+use crate::dataset::{DatasetError, Shape};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// How a dataset was collected: with these values the same bytes can be made again.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The task, such as `drawer-open-v3`.
+    pub task: String,
+    /// The recipe, such as `paper`.
+    pub recipe: String,
+    /// The root seed.
+    pub seed: u64,
+    /// How many episodes the recipe was asked for.
+    pub episodes: u32,
+    /// Whether the goal is visible, and when it is drawn.
+    pub goal: String,
+    /// The version of the reward functions.
+    pub reward: String,
+    /// The simulator's packages and their versions.
+    pub engine: BTreeMap<String, String>,
+}
+
+/// What made the actions of an episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Behaviour {
+    /// The part of the recipe, such as `noisy`.
+    pub part: String,
+    /// Standard deviation of the normal noise added to the scripted action.
+    pub noise_std: f64,
+    /// Probability of a uniformly random action instead.
+    pub epsilon: f64,
+}
+
+/// What one episode is and came to, kept so that a resumed collection need not open its arrays.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeNote {
+    /// What made its actions.
+    pub behaviour: Behaviour,
+    /// Sum of its true rewards.
+    pub return_true: f64,
+    /// Whether the task was solved at any step.
+    pub success: bool,
+    /// BLAKE3 of its Arrow file, in hexadecimal.
+    pub blake3: String,
+}
+
+/// `metadata.json` of an episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct EpisodeMetadata {
+    pub id: u32,
+    pub total_steps: usize,
+    #[serde(default)]
+    pub seed: Option<u64>,
+    /// Options of the environment's reset; ours has none.
+    #[serde(default)]
+    pub options: Option<serde_json::Value>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ted: Option<EpisodeNote>,
+}
+
+/// The fields of `metadata.json` of a dataset that are read.
+#[derive(Debug, Deserialize)]
+pub(super) struct DatasetMetadata {
+    pub total_episodes: u32,
+    pub total_steps: usize,
+    pub data_format: String,
+    #[serde(default)]
+    pub dataset_id: Option<String>,
+    observation_space: Option<String>,
+    action_space: Option<String>,
+    #[serde(default)]
+    pub ted: Option<OriginAndStatus>,
+}
+
+/// The `ted` object of a dataset.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct OriginAndStatus {
+    /// `complete`: the file is written when the last episode is on the disk.
+    pub status: String,
+    #[serde(flatten)]
+    pub origin: Origin,
+}
+
+/// The fields of `metadata.json` of a dataset that are written.
+#[derive(Serialize)]
+struct WrittenMetadata<'a> {
+    total_episodes: u32,
+    total_steps: usize,
+    data_format: &'static str,
+    jpeg_encoding: bool,
+    observation_space: String,
+    action_space: String,
+    dataset_id: &'a str,
+    minari_version: &'static str,
+    dataset_size: f64,
+    author: [&'static str; 1],
+    algorithm_name: String,
+    code_permalink: &'static str,
+    description: String,
+    ted: OriginAndStatus,
+}
+
+#[derive(Deserialize)]
+struct Space {
+    #[serde(rename = "type")]
+    kind: String,
+    #[serde(default)]
+    dtype: String,
+    #[serde(default)]
+    shape: Vec<usize>,
+}
+
+impl DatasetMetadata {
+    pub(super) fn read(data: &Path) -> Result<Self, DatasetError> {
+        let path = data.join(METADATA);
+        match fs::read(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                Err(DatasetError::MissingMetadata {
+                    path: data.to_path_buf(),
+                })
+            }
+            Err(source) => Err(DatasetError::Read { path, source }),
+            Ok(bytes) => serde_json::from_slice(&bytes).map_err(|error| DatasetError::Metadata {
+                path,
+                reason: error.to_string(),
+            }),
+        }
+    }
+
+    /// The widths of the two spaces, which must be flat boxes of floats.
+    pub(super) fn shape(&self, data: &Path) -> Result<Shape, DatasetError> {
+        let width = |name: &'static str, space: &Option<String>| {
+            let refuse = |actual: String| DatasetError::Space {
+                path: data.join(METADATA),
+                space: name,
+                actual,
+            };
+            let text = space.as_ref().ok_or_else(|| refuse("absent".into()))?;
+            let space =
+                parse_space(text).map_err(|error| refuse(format!("unreadable ({error})")))?;
+            match (
+                space.kind.as_str(),
+                space.dtype.as_str(),
+                space.shape.as_slice(),
+            ) {
+                ("Box", "float32" | "float64", &[width]) if width > 0 => Ok(width),
+                ("Box", dtype, shape) => {
+                    Err(refuse(format!("a Box of {dtype} with shape {shape:?}")))
+                }
+                (kind, ..) => Err(refuse(format!("a {kind}"))),
+            }
+        };
+        Ok(Shape {
+            observation: width("observation_space", &self.observation_space)?,
+            action: width("action_space", &self.action_space)?,
+        })
+    }
+}
+
+/// Python writes the infinite bounds of a box as `Infinity`, which is not JSON; the bounds are not used here.
+fn parse_space(text: &str) -> serde_json::Result<Space> {
+    let bounds_as_null = text
+        .replace("-Infinity", "null")
+        .replace("Infinity", "null")
+        .replace("NaN", "null");
+    serde_json::from_str(&bounds_as_null)
+}
+
+/// The bytes of a complete dataset's `metadata.json`.
+pub(super) fn dataset_metadata(
+    id: &str,
+    origin: &Origin,
+    shape: Shape,
+    steps: usize,
+    bytes: u64,
+) -> Vec<u8> {
+    let metadata = WrittenMetadata {
+        total_episodes: origin.episodes,
+        total_steps: steps,
+        data_format: "arrow",
+        jpeg_encoding: false,
+        observation_space: box_space(shape.observation, "-Infinity", "Infinity"),
+        action_space: box_space(shape.action, "-1.0", "1.0"),
+        dataset_id: id,
+        minari_version: MINARI_VERSION,
+        dataset_size: (bytes as f64 / 1e5).round() / 10.0,
+        author: ["ted-train"],
+        algorithm_name: format!("scripted policy, recipe {}", origin.recipe),
+        code_permalink: env!("CARGO_PKG_NAME"),
+        description: format!(
+            "Meta-World {}: {} episodes of the recipe `{}` from root seed {}; goal {}, reward {}.",
+            origin.task, origin.episodes, origin.recipe, origin.seed, origin.goal, origin.reward
+        ),
+        ted: OriginAndStatus {
+            status: "complete".into(),
+            origin: origin.clone(),
+        },
+    };
+    to_json(&metadata)
+}
+
+/// A flat box of `float32` as the string that Minari stores. The spelling of the bounds is Python's.
+fn box_space(width: usize, low: &str, high: &str) -> String {
+    let [low, high] = [low, high].map(|bound| vec![bound; width].join(", "));
+    format!(
+        r#"{{"type": "Box", "dtype": "float32", "shape": [{width}], "low": [{low}], "high": [{high}]}}"#
+    )
+}
+
+/// Pretty JSON with a final newline.
+pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec_pretty(value)
+        .expect("strings, numbers and string keys always serialise");
+    bytes.push(b'\n');
+    bytes
+}

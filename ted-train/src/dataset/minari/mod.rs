@@ -1,0 +1,28 @@
+//! Minari datasets on disk, in Arrow storage: `<root>/<namespace>/<name>-vN/data/<episode>/part-0.arrow`.
+//!
+//! What is written opens in the Python package `minari` (0.5), and what that package writes in its Arrow storage is read.
+//! Beside what Minari asks for, `metadata.json` carries a `ted` object that says how the data came about ([`Origin`]), and each
+//! episode's `metadata.json` carries one with what it came to and the BLAKE3 of its file ([`EpisodeNote`]).
+
+mod arrow_file;
+mod decode;
+mod encode;
+mod id;
+mod metadata;
+mod reader;
+#[cfg(test)]
+mod tests;
+mod writer;
+
+pub use id::DatasetId;
+pub use metadata::{Behaviour, EpisodeNote, Origin};
+pub(super) use reader::read;
+pub use writer::DatasetWriter;
+
+/// The Minari version whose layout is written; newer packages read it too.
+pub const MINARI_VERSION: &str = "0.5.4";
+
+/// Name of the one Arrow file of an episode.
+const PART: &str = "part-0.arrow";
+/// Name of the metadata file of a dataset and of an episode.
+const METADATA: &str = "metadata.json";

@@ -1,0 +1,139 @@
+//! Reads a Minari dataset in Arrow storage: all episodes in parallel, each straight into its place in memory.
+
+use super::metadata::{DatasetMetadata, EpisodeMetadata};
+use super::{METADATA, PART, decode};
+use crate::dataset::assemble::{Filled, assemble};
+use crate::dataset::{Dataset, DatasetError};
+use rayon::prelude::*;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Reads the dataset whose folder, or whose `data` folder, is `path`.
+pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
+    let data = data_folder(path)?;
+    let metadata = DatasetMetadata::read(&data)?;
+    if metadata.data_format != "arrow" {
+        return Err(DatasetError::Format {
+            path: data,
+            format: metadata.data_format,
+        });
+    }
+    let shape = metadata.shape(&data)?;
+    let id = metadata
+        .dataset_id
+        .clone()
+        .unwrap_or_else(|| "unnamed".into());
+    let episodes = episode_metadata(&data, metadata.total_episodes)?;
+    let lengths: Vec<_> = episodes.iter().map(|episode| episode.total_steps).collect();
+    let steps = lengths
+        .iter()
+        .try_fold(0_usize, |sum, &len| sum.checked_add(len));
+    if steps != Some(metadata.total_steps) {
+        return Err(DatasetError::Metadata {
+            path: data.join(METADATA),
+            reason: format!(
+                "it promises {} steps, and its episodes have {}",
+                metadata.total_steps,
+                steps.map_or("more than can be counted".into(), |steps| steps.to_string())
+            ),
+        });
+    }
+    refuse_impossible_lengths(&data, &lengths)?;
+
+    let mut dataset = assemble(&id, shape, &lengths, |index, slots| {
+        let episode = &episodes[index];
+        let path = data.join(index.to_string()).join(PART);
+        let place = path.display().to_string();
+        let bytes = fs::read(&path).map_err(|source| DatasetError::Read { path, source })?;
+        let expected = episode.ted.as_ref().map(|note| note.blake3.as_str());
+        if expected.is_some_and(|expected| *blake3::hash(&bytes).to_hex() != *expected) {
+            let reason = "its bytes are not those that were written (BLAKE3 differs)".into();
+            return Err(DatasetError::Damaged { place, reason });
+        }
+        let rewards = decode::episode(bytes, &place, shape, slots)?;
+        Ok(Filled {
+            place,
+            seed: episode.seed,
+            rewards,
+        })
+    })?;
+    dataset.origin = metadata.ted.map(|ted| ted.origin);
+    Ok(dataset)
+}
+
+/// The `data` folder of a dataset, whichever of the two was named.
+fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
+    let inner = path.join("data");
+    if inner.is_dir() {
+        Ok(inner)
+    } else if path.is_dir() {
+        Ok(path.to_path_buf())
+    } else {
+        Err(DatasetError::NotFound {
+            path: path.to_path_buf(),
+        })
+    }
+}
+
+/// The metadata of all episodes in order.
+fn episode_metadata(data: &Path, total: u32) -> Result<Vec<EpisodeMetadata>, DatasetError> {
+    let read = |episode: u32| {
+        let folder = data.join(episode.to_string());
+        let missing = |path| DatasetError::MissingEpisode {
+            episode,
+            total,
+            path,
+        };
+        let path = folder.join(METADATA);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(missing(path)),
+            Err(source) => return Err(DatasetError::Read { path, source }),
+        };
+        let part = folder.join(PART);
+        if !part.is_file() {
+            return Err(missing(part));
+        }
+        let metadata: EpisodeMetadata =
+            serde_json::from_slice(&bytes).map_err(|error| DatasetError::Metadata {
+                path: path.clone(),
+                reason: error.to_string(),
+            })?;
+        if metadata.id != episode {
+            let reason = format!("it is the metadata of episode {}", metadata.id);
+            return Err(DatasetError::Metadata { path, reason });
+        }
+        if metadata.total_steps == 0 {
+            return Err(DatasetError::EmptyEpisode {
+                place: folder.display().to_string(),
+            });
+        }
+        Ok(metadata)
+    };
+    // Collected first and judged in order, so that the error named is always the first.
+    let all: Vec<_> = (0..total).into_par_iter().map(read).collect();
+    all.into_iter().collect()
+}
+
+/// A step takes some bytes on the disk, so a length beyond the file's size is a lie that would exhaust memory.
+fn refuse_impossible_lengths(data: &Path, lengths: &[usize]) -> Result<(), DatasetError> {
+    for (episode, &steps) in lengths.iter().enumerate() {
+        let part = data.join(episode.to_string()).join(PART);
+        let bytes = fs::metadata(&part)
+            .map_err(|source| DatasetError::Read {
+                path: part.clone(),
+                source,
+            })?
+            .len();
+        if steps as u64 > bytes {
+            return Err(DatasetError::WrongShape {
+                place: part.display().to_string(),
+                array: "row count".into(),
+                expected: format!("{steps} steps as its metadata says"),
+                actual: format!("a file of {bytes} bytes"),
+            });
+        }
+    }
+    Ok(())
+}

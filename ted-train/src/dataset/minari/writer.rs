@@ -1,0 +1,229 @@
+//! Writes a Minari dataset episode by episode, so that a kill at any moment loses at most the episode in hand.
+//!
+//! Under the dataset's folder: `collection.json` says what is being collected, `data/<episode>/` appears complete or not at all
+//! (written under a hidden name, brought to the disk, renamed), and `data/metadata.json` comes last. A lock file keeps a second
+//! process out for as long as the writer lives.
+
+use super::metadata::{Behaviour, EpisodeMetadata, EpisodeNote, Origin, dataset_metadata, to_json};
+use super::{DatasetId, METADATA, PART, encode};
+use crate::dataset::disk::{Disk, create_folder, lock, rename, sync_folder};
+use crate::dataset::{EpisodeRecord, Shape, WriteError};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+const PLAN: &str = "collection.json";
+const NAMESPACE_METADATA: &str = "namespace_metadata.json";
+
+/// A dataset being written. Dropping it releases the folder; what is complete stays.
+#[derive(Debug)]
+pub struct DatasetWriter {
+    id: DatasetId,
+    folder: PathBuf,
+    data: PathBuf,
+    origin: Origin,
+    shape: Shape,
+    disk: Disk,
+    _lock: File,
+}
+
+impl DatasetWriter {
+    /// Begins or goes on with the dataset `id` under `root`.
+    pub fn open(
+        root: &Path,
+        id: DatasetId,
+        origin: Origin,
+        shape: Shape,
+    ) -> Result<Self, WriteError> {
+        Self::open_on(Disk::REAL, root, id, origin, shape)
+    }
+
+    pub(super) fn open_on(
+        disk: Disk,
+        root: &Path,
+        id: DatasetId,
+        origin: Origin,
+        shape: Shape,
+    ) -> Result<Self, WriteError> {
+        let folder = id.folder(root);
+        let data = folder.join("data");
+        create_folder(&data)?;
+        let lock = lock(&folder)?;
+        let namespace = root.join(id.namespace()).join(NAMESPACE_METADATA);
+        if !namespace.exists() {
+            disk.replace(
+                &namespace,
+                b"{\"description\": \"Datasets collected by ted.\"}\n",
+            )?;
+        }
+        let writer = Self {
+            id,
+            folder,
+            data,
+            origin,
+            shape,
+            disk,
+            _lock: lock,
+        };
+        writer.agree_on_the_plan()?;
+        writer.remove_leftovers()?;
+        Ok(writer)
+    }
+
+    /// The dataset's folder.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The note of an episode that is already complete, with this seed and behaviour and undamaged bytes.
+    #[must_use]
+    pub fn kept(&self, episode: u32, seed: u64, behaviour: &Behaviour) -> Option<EpisodeNote> {
+        let (metadata, bytes) = self.read_back(episode)?;
+        let note = metadata.ted?;
+        let same =
+            metadata.id == episode && metadata.seed == Some(seed) && note.behaviour == *behaviour;
+        (same && *blake3::hash(&bytes).to_hex() == *note.blake3).then_some(note)
+    }
+
+    /// Writes one episode; when this returns it is on the disk.
+    pub fn write(
+        &self,
+        episode: u32,
+        behaviour: Behaviour,
+        record: &EpisodeRecord,
+    ) -> Result<EpisodeNote, WriteError> {
+        record.check(self.shape, &format!("episode {episode}"))?;
+        let part = encode::episode_file(record, self.shape)
+            .map_err(|error| WriteError::at(&self.data, std::io::Error::other(error)))?;
+        let note = EpisodeNote {
+            behaviour,
+            return_true: record.return_true(),
+            success: record.succeeded(),
+            blake3: blake3::hash(&part).to_hex().to_string(),
+        };
+        let metadata = EpisodeMetadata {
+            id: episode,
+            total_steps: record.steps(),
+            seed: record.seed,
+            options: None,
+            ted: Some(note.clone()),
+        };
+        let hidden = self.data.join(format!("{HIDDEN}{episode}"));
+        create_folder(&hidden)?;
+        self.disk.write(&hidden.join(PART), &part)?;
+        self.disk
+            .write(&hidden.join(METADATA), &to_json(&metadata))?;
+        sync_folder(&hidden)?;
+        let place = self.data.join(episode.to_string());
+        remove_folder(&place)?;
+        rename(&hidden, &place)?;
+        Ok(note)
+    }
+
+    /// Writes `metadata.json`, after which the dataset is complete. Every episode must have been written or kept.
+    pub fn finish(&self) -> Result<PathBuf, WriteError> {
+        let mut steps = 0;
+        let mut bytes = 0;
+        for episode in 0..self.origin.episodes {
+            let folder = self.data.join(episode.to_string());
+            let metadata = self
+                .episode_metadata(episode)
+                .ok_or_else(|| WriteError::Different {
+                    path: folder.clone(),
+                    difference: "the episode is missing or its metadata unreadable".into(),
+                })?;
+            steps += metadata.total_steps;
+            for file in [PART, METADATA] {
+                let path = folder.join(file);
+                bytes += fs::metadata(&path)
+                    .map_err(|error| WriteError::at(&path, error))?
+                    .len();
+            }
+        }
+        let metadata =
+            dataset_metadata(&self.id.to_string(), &self.origin, self.shape, steps, bytes);
+        let path = self.data.join(METADATA);
+        if fs::read(&path).ok().as_ref() != Some(&metadata) {
+            self.disk.replace(&path, &metadata)?;
+        }
+        Ok(self.folder.clone())
+    }
+
+    /// Refuses to mix two different collections in one folder.
+    fn agree_on_the_plan(&self) -> Result<(), WriteError> {
+        let path = self.folder.join(PLAN);
+        let plan = to_json(&self.origin);
+        let begun = match fs::read(&path) {
+            Ok(begun) => begun,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                return self.disk.replace(&path, &plan);
+            }
+            Err(error) => return Err(WriteError::at(&path, error)),
+        };
+        if begun == plan {
+            return Ok(());
+        }
+        let difference = match serde_json::from_slice::<Origin>(&begun) {
+            Ok(begun) => format!("there {}, now {}", summary(&begun), summary(&self.origin)),
+            Err(error) => format!("its {PLAN} is unreadable ({error})"),
+        };
+        Err(WriteError::Different {
+            path: self.folder.clone(),
+            difference,
+        })
+    }
+
+    /// Half-written episodes of a killed process.
+    fn remove_leftovers(&self) -> Result<(), WriteError> {
+        let at = |error| WriteError::at(&self.data, error);
+        for entry in fs::read_dir(&self.data).map_err(at)? {
+            let entry = entry.map_err(at)?;
+            if entry.file_name().to_string_lossy().starts_with(HIDDEN) {
+                remove_folder(&entry.path())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn episode_metadata(&self, episode: u32) -> Option<EpisodeMetadata> {
+        let path = self.data.join(episode.to_string()).join(METADATA);
+        serde_json::from_slice(&fs::read(path).ok()?).ok()
+    }
+
+    fn read_back(&self, episode: u32) -> Option<(EpisodeMetadata, Vec<u8>)> {
+        let metadata = self.episode_metadata(episode)?;
+        let part = fs::read(self.data.join(episode.to_string()).join(PART)).ok()?;
+        Some((metadata, part))
+    }
+}
+
+/// Prefix of an episode folder that is being written.
+const HIDDEN: &str = ".writing-";
+
+fn summary(origin: &Origin) -> String {
+    let Origin {
+        task,
+        recipe,
+        seed,
+        episodes,
+        engine,
+        ..
+    } = origin;
+    let engine: Vec<_> = engine
+        .iter()
+        .map(|(package, version)| format!("{package} {version}"))
+        .collect();
+    format!(
+        "{task} {recipe}, seed {seed}, {episodes} episodes, with {}",
+        engine.join(", ")
+    )
+}
+
+fn remove_folder(folder: &Path) -> Result<(), WriteError> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(WriteError::at(folder, error))
+        }
+        _ => Ok(()),
+    }
+}
