@@ -5,13 +5,23 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "std")]
+pub mod bridge;
 pub mod controller;
+#[cfg(feature = "std")]
+pub mod exit;
+#[cfg(feature = "std")]
+pub mod interrupt;
 #[cfg(feature = "std")]
 pub mod plant;
 #[cfg(feature = "std")]
 pub mod plants;
 #[cfg(feature = "std")]
+pub mod progress;
+#[cfg(feature = "std")]
 pub mod rollout;
 pub mod safety;
 #[cfg(feature = "std")]
 mod splitmix;
+#[cfg(feature = "std")]
+pub mod tasks;

@@ -1,0 +1,70 @@
+"""One Meta-World task whose episodes are a function of their seed.
+
+The dynamics, rewards and observations are those of `gym.make("Meta-World/MT1", env_name=...)`: goal visible, version 2
+rewards, 500 steps, no early stop. Gymnasium's wrappers are left out, because they only check and count; a test compares
+every task with the wrapped environment bit for bit. The goal is drawn from the seed, not from a list of 50.
+"""
+
+import pickle
+
+import mujoco
+import numpy as np
+from metaworld.env_dict import ALL_V3_ENVIRONMENTS
+from metaworld.policies import ENV_POLICY_MAP
+from metaworld.types import Task as MetaWorldTask
+
+from snapshot import Snapshot
+
+OBSERVATION = 39
+ACTION = 4
+
+
+class Task:
+    """A task, ready for any number of episodes."""
+
+    def __init__(self, name):
+        environment = ALL_V3_ENVIRONMENTS[name]
+        self.name = name
+        self.env = environment(reward_function_version="v2")
+        goal_visible = dict(rand_vec=None, env_cls=environment, partially_observable=False)
+        self.env.set_task(MetaWorldTask(env_name=name, data=pickle.dumps(goal_visible)))
+        self.env.seeded_rand_vec = True
+        self.horizon = self.env.max_path_length
+        self.goal = np.zeros(self.env._random_reset_space.low.size)
+        self._policy = ENV_POLICY_MAP[name]
+        self._snapshot = Snapshot(self.env)
+
+    def scripted_policy(self):
+        """A new instance of the package's own policy for this task."""
+        return self._policy()
+
+    def reset(self, seed):
+        """Starts the episode of this seed and returns its first observation, in float64."""
+        self._snapshot.restore()
+        self.env.seed(seed)
+        self.env._freeze_rand_vec = False
+        return self._start()
+
+    def reset_to(self, goal):
+        """Starts an episode with a goal that an earlier episode drew."""
+        self._snapshot.restore()
+        self.env._last_rand_vec = np.array(goal)
+        return self._start()
+
+    def _start(self):
+        """What `SawyerXYZEnv.reset` does, with one goal: the first `reset_model` draws it, the second uses it again."""
+        env = self.env
+        env.curr_path_length = 0
+        env.reset_model()
+        env._freeze_rand_vec = True
+        mujoco.mj_resetData(env.model, env.data)
+        observation = env.reset_model()
+        env._prev_obs = observation[:18].copy()
+        observation[18:36] = env._prev_obs
+        self.goal[:] = env._last_rand_vec
+        return observation.astype(np.float64)
+
+    def step(self, action):
+        """One control period: (observation in float64, reward, success, terminated, truncated)."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        return observation, reward, info["success"] == 1.0, terminated, truncated

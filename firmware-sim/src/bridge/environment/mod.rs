@@ -1,0 +1,121 @@
+//! The Python side: a virtual environment of its own, installed by the first command that needs it.
+//!
+//! It lives in the user's cache folder under a name that holds the digest of the locked requirements, so that versions of
+//! this program with different requirements do not disturb each other. `TED_METAWORLD_VENV` names another place,
+//! `TED_PYTHON` another interpreter. Nothing outside that folder is touched.
+
+mod checks;
+mod error;
+mod install;
+mod python;
+mod sources;
+mod stamp;
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+pub use checks::{Check, diagnose};
+pub use error::SetupError;
+pub use python::Interpreter;
+
+use crate::progress::Audience;
+use stamp::Stamp;
+
+/// Names a place for the virtual environment other than the cache folder.
+pub const VENV_VARIABLE: &str = "TED_METAWORLD_VENV";
+/// Names the Python interpreter that creates the virtual environment.
+pub const PYTHON_VARIABLE: &str = "TED_PYTHON";
+
+/// A Python interpreter and the worker it can run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Environment {
+    python: PathBuf,
+    worker: PathBuf,
+    scratch: PathBuf,
+}
+
+impl Environment {
+    /// An interpreter and a worker script of one's own: for another simulator that speaks the protocol, and for tests.
+    #[must_use]
+    pub fn custom(python: &Path, worker: &Path, scratch: &Path) -> Self {
+        Self {
+            python: python.to_owned(),
+            worker: worker.to_owned(),
+            scratch: scratch.to_owned(),
+        }
+    }
+
+    /// The interpreter that runs the workers.
+    #[must_use]
+    pub fn python(&self) -> &Path {
+        &self.python
+    }
+
+    /// The worker's script.
+    #[must_use]
+    pub fn worker(&self) -> &Path {
+        &self.worker
+    }
+
+    /// The workers' current directory, where MuJoCo leaves its log.
+    #[must_use]
+    pub fn scratch(&self) -> &Path {
+        &self.scratch
+    }
+
+    fn installed(venv: &Path) -> Result<Self, SetupError> {
+        let bridge = sources::write(venv)?;
+        Ok(Self::custom(
+            &python_of(venv),
+            &bridge.join(sources::WORKER),
+            venv,
+        ))
+    }
+}
+
+/// The environment, installed first if need be: a few hundred megabytes and a minute or two.
+///
+/// Safe against a second installer at the same time and against being killed in the middle.
+///
+/// # Errors
+/// When Python, its venv module, the network or the disk will not do; the message says which, and the way out.
+pub fn ensure(audience: Audience) -> Result<Environment, SetupError> {
+    let venv = location()?;
+    if !is_ready(&venv) {
+        install::install(&venv, audience)?;
+    }
+    Environment::installed(&venv)
+}
+
+/// Where the virtual environment is or would be.
+///
+/// # Errors
+/// When there is neither a home folder nor a variable that names the place.
+pub fn location() -> Result<PathBuf, SetupError> {
+    if let Some(named) = set(VENV_VARIABLE) {
+        return Ok(named);
+    }
+    let cache = match (set("XDG_CACHE_HOME"), set("HOME")) {
+        (Some(cache), _) if cache.is_absolute() => cache,
+        (_, Some(home)) => home.join(".cache"),
+        _ => return Err(SetupError::NoHome),
+    };
+    Ok(cache
+        .join("ted")
+        .join(format!("metaworld-{}", &sources::lock_digest()[..16])))
+}
+
+/// Whether the environment is complete and made from this program's requirements.
+fn is_ready(venv: &Path) -> bool {
+    Stamp::read(venv) == Stamp::Ready(sources::lock_digest()) && python_of(venv).exists()
+}
+
+fn python_of(venv: &Path) -> PathBuf {
+    venv.join("bin").join("python")
+}
+
+fn set(variable: &str) -> Option<PathBuf> {
+    env::var_os(variable)
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from)
+}

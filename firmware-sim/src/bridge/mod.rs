@@ -1,0 +1,22 @@
+//! The bridge to MuJoCo Meta-World: Python worker processes that simulate, driven in lockstep over their standard streams.
+//!
+//! [`environment::ensure`] sets up the Python side once, [`Worker`] is one process, [`Pool`] runs many episodes on several.
+//! The bytes on the wire are described in `docs/bridge-protocol.md`.
+
+pub mod environment;
+mod episode;
+mod error;
+pub mod frame;
+mod last_words;
+mod link;
+pub mod message;
+mod pool;
+mod worker;
+
+pub use environment::Environment;
+pub use episode::{Behaviour, Episode, EpisodeJob};
+pub use error::BridgeError;
+pub use last_words::LastWords;
+pub use message::{Shape, Step};
+pub use pool::Pool;
+pub use worker::Worker;
