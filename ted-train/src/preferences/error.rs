@@ -1,0 +1,128 @@
+//! Everything that can go wrong with preferences, each as what, where, and the way out.
+
+use super::Query;
+use crate::dataset::SegmentError;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a preference could not be had, kept or trusted.
+#[derive(Debug, thiserror::Error)]
+pub enum PreferenceError {
+    /// A file that cannot be read.
+    #[error("cannot read the preferences in {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file that cannot be written.
+    #[error(
+        "cannot keep the answer in {path}: {source}; the answers before it are safe, run the same command again"
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The device or the quota is full.
+    #[error(
+        "no space left to keep the answer in {path}: free some and run the same command again, the answers before it are safe"
+    )]
+    DiskFull {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A line that is not a preference.
+    #[error("line {line} of {path} is not a preference: {reason}; correct or delete the line")]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// An answer that is none.
+    #[error(
+        "line {line} of {path} has the answer {answer}, which is not 0 (first better), 1 (second better) or 0.5 (equal); correct or delete the line"
+    )]
+    Answer {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What stands there.
+        answer: f64,
+    },
+    /// A preference about other data.
+    #[error(
+        "line {line} of {path} is about {logged}, and this is {actual}; use the dataset the questions were asked about, or \
+         another preference file"
+    )]
+    OtherDataset {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// Id and digest of the dataset in the line.
+        logged: String,
+        /// Id and digest of the dataset at hand.
+        actual: String,
+    },
+    /// A preference about steps that the dataset does not have.
+    #[error("line {line} of {path}: {source}; correct or delete the line")]
+    Segment {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What does not fit.
+        source: SegmentError,
+    },
+    /// Another question than the one in the log at this place.
+    #[error(
+        "question {number} is not the one in the log: asked about {asked}, logged {logged}; the log belongs to another seed or \
+         configuration, so use a new one or the configuration it was made with"
+    )]
+    OtherQuestion {
+        /// Its number, counted from 1.
+        number: usize,
+        /// What is asked now.
+        asked: String,
+        /// What was asked then.
+        logged: String,
+    },
+    /// A replay that has come to its end.
+    #[error(
+        "the replayed log has {answers} answers and question {number} was asked; ask fewer, or let a teacher answer the rest"
+    )]
+    ReplayExhausted {
+        /// How many answers it has.
+        answers: usize,
+        /// The question, counted from 1.
+        number: usize,
+    },
+    /// A tolerance that is no distance.
+    #[error("the tie tolerance is {tolerance}; it must be finite and not negative")]
+    Tolerance {
+        /// The value.
+        tolerance: f64,
+    },
+}
+
+/// A query as it stands in an error.
+pub(super) fn describe(query: &Query) -> String {
+    let [first, second] = query.segments.map(|segment| {
+        format!(
+            "episode {} steps {}..{}",
+            segment.episode(),
+            segment.start(),
+            segment.start() + segment.len()
+        )
+    });
+    format!("{first} or {second}")
+}

@@ -1,0 +1,337 @@
+//! The log against kills, edits, other datasets and full disks.
+
+use super::*;
+use crate::dataset::fixtures::{SHAPE, records};
+use crate::dataset::{Segment, SegmentSampler};
+use crate::preferences::{Recovered, ReplayTeacher, ScriptedTeacher};
+use crate::rng::Seed;
+use std::fs;
+use tempfile::TempDir;
+
+fn dataset() -> Dataset {
+    Dataset::from_records("ted/x-v0", SHAPE, &records(&[20, 30, 25])).unwrap()
+}
+
+/// Seven questions of single members and three that are shared, as the reward ensemble asks them; the fourth is a tie.
+fn questions(dataset: &Dataset) -> Vec<(Context, Query)> {
+    let sampler = SegmentSampler::new(dataset, 5).unwrap();
+    let mut rng = Seed::root(4).rng();
+    (0_u32..10)
+        .map(|index| {
+            let member = (index < 7).then_some(index);
+            let round = index.saturating_sub(6);
+            let [first, other] = [sampler.sample(&mut rng), sampler.sample(&mut rng)];
+            let second = if index == 3 { first } else { other };
+            let segments = [first, second];
+            (Context { round, member }, Query { segments })
+        })
+        .collect()
+}
+
+fn interview(
+    path: &Path,
+    dataset: &Dataset,
+    teacher: &mut dyn Teacher,
+    count: usize,
+) -> Vec<Answer> {
+    let mut log = PreferenceLog::open(path, dataset).unwrap();
+    let ask = |(context, query)| log.ask(dataset, teacher, context, query).unwrap();
+    questions(dataset)
+        .into_iter()
+        .take(count)
+        .map(ask)
+        .collect()
+}
+
+fn complete(dataset: &Dataset) -> (TempDir, PathBuf, Vec<Answer>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("preferences.jsonl");
+    let answers = interview(&path, dataset, &mut ScriptedTeacher::new(0.0).unwrap(), 10);
+    (folder, path, answers)
+}
+
+/// A teacher that must not be asked.
+struct Nobody;
+
+impl Teacher for Nobody {
+    fn name(&self) -> &str {
+        "nobody"
+    }
+
+    fn answer(&mut self, _: &Dataset, _: &Query) -> Result<Answer, PreferenceError> {
+        Err(PreferenceError::ReplayExhausted {
+            answers: 0,
+            number: 0,
+        })
+    }
+}
+
+fn refusal(path: &Path, dataset: &Dataset) -> String {
+    PreferenceLog::open(path, dataset)
+        .map(|_| ())
+        .expect_err("must be refused")
+        .to_string()
+}
+
+fn edit_line(path: &Path, line: usize, change: impl Fn(&str) -> String) {
+    let text = fs::read_to_string(path).unwrap();
+    let lines: Vec<_> = text
+        .lines()
+        .enumerate()
+        .map(|(at, text)| {
+            if at + 1 == line {
+                change(text)
+            } else {
+                text.into()
+            }
+        })
+        .collect();
+    fs::write(path, lines.join("\n") + "\n").unwrap();
+}
+
+#[test]
+fn a_line_says_everything_about_a_question_and_its_answer() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let text = fs::read_to_string(path).unwrap();
+    let line: serde_json::Value = serde_json::from_str(text.lines().nth(8).unwrap()).unwrap();
+    assert_eq!(line["dataset"], "ted/x-v0");
+    assert_eq!(line["digest"], dataset.digest());
+    assert_eq!(
+        (&line["round"], &line["member"]),
+        (&2.into(), &serde_json::Value::Null)
+    );
+    assert_eq!(line["segments"][1]["length"], 5);
+    assert_eq!(line["by"], "teacher:true-return");
+    let answers: Vec<_> = text
+        .lines()
+        .map(|line| line.split("\"answer\":").nth(1).unwrap())
+        .collect();
+    assert!(answers.iter().any(|answer| answer.starts_with("0,")));
+    assert!(answers.iter().any(|answer| answer.starts_with("1,")));
+    assert!(answers.iter().any(|answer| answer.starts_with("0.5,")));
+}
+
+#[test]
+fn a_run_that_starts_again_asks_nobody_twice() {
+    let dataset = dataset();
+    let (_folder, path, answers) = complete(&dataset);
+    let before = fs::read(&path).unwrap();
+    assert_eq!(interview(&path, &dataset, &mut Nobody, 10), answers);
+    assert_eq!(fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn a_run_that_was_killed_half_way_goes_on_to_the_same_file() {
+    let dataset = dataset();
+    let (folder, path, answers) = complete(&dataset);
+    let other = folder.path().join("killed.jsonl");
+    let teacher = &mut ScriptedTeacher::new(0.0).unwrap();
+    interview(&other, &dataset, teacher, 6);
+    assert_eq!(interview(&other, &dataset, teacher, 10), answers);
+    assert_eq!(fs::read(other).unwrap(), fs::read(path).unwrap());
+}
+
+#[test]
+fn a_log_replayed_into_a_new_run_gives_the_same_log() {
+    let dataset = dataset();
+    let (folder, path, answers) = complete(&dataset);
+    let copy = folder.path().join("copy.jsonl");
+    let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
+    assert_eq!(interview(&copy, &dataset, &mut replay, 10), answers);
+    assert_eq!(fs::read(copy).unwrap(), fs::read(path).unwrap());
+    let (_, query) = questions(&dataset)[0];
+    let error = replay.answer(&dataset, &query).unwrap_err().to_string();
+    assert!(
+        error.starts_with("the replayed log has 10 answers and question 11 was asked"),
+        "{error}"
+    );
+}
+
+#[test]
+fn another_question_than_the_logged_one_is_named() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let questions = questions(&dataset);
+    let mut log = PreferenceLog::open(&path, &dataset).unwrap();
+    let error = log
+        .ask(&dataset, &mut Nobody, questions[0].0, questions[1].1)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.starts_with("question 1 is not the one in the log: asked about episode"),
+        "{error}"
+    );
+    let context = Context {
+        round: 0,
+        member: Some(5),
+    };
+    assert!(
+        log.ask(&dataset, &mut Nobody, context, questions[0].1)
+            .is_err()
+    );
+    let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
+    assert!(replay.answer(&dataset, &questions[1].1).is_err());
+}
+
+#[test]
+fn a_log_cut_at_any_byte_keeps_all_whole_answers() {
+    let dataset = dataset();
+    let (folder, path, answers) = complete(&dataset);
+    let bytes = fs::read(&path).unwrap();
+    let cut_path = folder.path().join("cut.jsonl");
+    // The last two lines byte by byte, and the empty file.
+    let from = bytes
+        .iter()
+        .enumerate()
+        .filter(|(_, byte)| **byte == b'\n')
+        .nth(7)
+        .unwrap()
+        .0
+        + 1;
+    for cut in (from..=bytes.len()).chain([0]) {
+        fs::write(&cut_path, &bytes[..cut]).unwrap();
+        let line_ends = bytes[..cut].iter().filter(|&&byte| byte == b'\n').count();
+        let only_the_line_end_is_lost = bytes.get(cut) == Some(&b'\n');
+        let expected = line_ends + usize::from(only_the_line_end_is_lost);
+        let log = PreferenceLog::open(&cut_path, &dataset).unwrap();
+        assert_eq!(log.entries().len(), expected, "cut at {cut}");
+        let inside_a_line =
+            bytes[..cut].last().is_some_and(|&byte| byte != b'\n') && !only_the_line_end_is_lost;
+        assert_eq!(
+            log.recovered().map(|recovered| recovered.kept),
+            inside_a_line.then_some(line_ends)
+        );
+        drop(log);
+        let teacher = &mut ScriptedTeacher::new(0.0).unwrap();
+        assert_eq!(interview(&cut_path, &dataset, teacher, 10), answers);
+        assert_eq!(fs::read(&cut_path).unwrap(), bytes, "cut at {cut}");
+    }
+}
+
+#[test]
+fn what_a_recovery_drops_is_told() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let whole = fs::read(&path).unwrap();
+    fs::write(&path, [whole.as_slice(), b"{\"dataset\":\"te"].concat()).unwrap();
+    assert_eq!(PreferenceLog::read(&path, &dataset).unwrap().len(), 10);
+    let log = PreferenceLog::open(&path, &dataset).unwrap();
+    assert_eq!(
+        log.recovered(),
+        Some(&Recovered {
+            kept: 10,
+            dropped: "{\"dataset\":\"te".into()
+        })
+    );
+    assert_eq!(fs::read(&path).unwrap(), whole);
+}
+
+#[test]
+fn a_broken_line_in_the_middle_is_an_error_with_its_number() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let refuse = |change: fn(&str) -> String| {
+        let whole = fs::read(&path).unwrap();
+        edit_line(&path, 4, change);
+        let broken = fs::read(&path).unwrap();
+        let text = refusal(&path, &dataset);
+        assert_eq!(
+            fs::read(&path).unwrap(),
+            broken,
+            "a refused file is left as it is"
+        );
+        fs::write(&path, whole).unwrap();
+        assert!(text.starts_with("line 4 of "), "{text}");
+        text
+    };
+    assert!(refuse(|line| line[..40].into()).contains("is not a preference"));
+    assert!(
+        refuse(|line| line.replace("\"round\"", "\"rounds\"")).contains("unknown field `rounds`")
+    );
+    assert!(refuse(|_| String::new()).contains("is not a preference"));
+    assert!(
+        refuse(|line| line.replace("\"length\":5", "\"length\":500")).contains("run past its end")
+    );
+    let answer = |line: &str, answer: &str| {
+        let (before, after) = line.split_once("\"answer\":").unwrap();
+        let (_, after) = after.split_once(',').unwrap();
+        format!("{before}\"answer\":{answer},{after}")
+    };
+    assert!(
+        refuse(|line| line.replace("\"answer\":", "\"answer\":2,\"x\":")).contains("unknown field")
+    );
+    for wrong in ["2", "-1", "0.25", "0.50001"] {
+        edit_line(&path, 4, |line| answer(line, wrong));
+        let text = refusal(&path, &dataset);
+        assert!(
+            text.contains(&format!(
+                "line 4 of {} has the answer {wrong}",
+                path.display()
+            )),
+            "{text}"
+        );
+    }
+    edit_line(&path, 4, |line| answer(line, "\"first\""));
+    assert!(refusal(&path, &dataset).contains("is not a preference"));
+}
+
+#[test]
+fn a_log_about_another_dataset_is_refused() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let mut episodes = records(&[20, 30, 25]);
+    episodes[2].rewards[3] += 1.0;
+    let other = Dataset::from_records("ted/x-v0", SHAPE, &episodes).unwrap();
+    let text = refusal(&path, &other);
+    assert!(
+        text.starts_with("line 1 of ")
+            && text.contains(dataset.digest())
+            && text.contains(other.digest())
+    );
+    assert!(ReplayTeacher::open(&path, &other).is_err());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_answer_that_cannot_be_kept_is_an_error_and_not_an_answer() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let before = fs::read(&path).unwrap();
+    let mut log = PreferenceLog::open(&path, &dataset).unwrap();
+    log.asked = 10;
+    log.file = OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let segment = Segment::new(&dataset, 0, 0, 5).unwrap();
+    let context = Context {
+        round: 4,
+        member: None,
+    };
+    let query = Query {
+        segments: [segment; 2],
+    };
+    let error = log
+        .ask(
+            &dataset,
+            &mut ScriptedTeacher::new(0.0).unwrap(),
+            context,
+            query,
+        )
+        .unwrap_err();
+    assert!(matches!(error, PreferenceError::DiskFull { .. }), "{error}");
+    assert_eq!(log.entries().len(), 10);
+    assert_eq!(fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn the_digest_covers_the_whole_lines() {
+    let dataset = dataset();
+    let (_folder, path, _) = complete(&dataset);
+    let digest = PreferenceLog::open(&path, &dataset)
+        .unwrap()
+        .digest()
+        .unwrap();
+    assert_eq!(
+        digest,
+        blake3::hash(&fs::read(&path).unwrap()).to_hex().as_str()
+    );
+}

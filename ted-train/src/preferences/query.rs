@@ -1,0 +1,41 @@
+//! A question about two segments, and the three answers there are.
+
+use crate::dataset::Segment;
+
+/// "Which of these two segments is better?"
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Query {
+    /// The two segments, in the order in which they are shown.
+    pub segments: [Segment; 2],
+}
+
+/// The answer to a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Answer {
+    /// The first segment is better.
+    First,
+    /// The second segment is better.
+    Second,
+    /// Neither is better.
+    Equal,
+}
+
+impl Answer {
+    /// The label `y`: the probability, according to the answer, that the second segment is better.
+    #[must_use]
+    pub fn label(self) -> f32 {
+        match self {
+            Self::First => 0.0,
+            Self::Second => 1.0,
+            Self::Equal => 0.5,
+        }
+    }
+
+    /// The answer with this label, if there is one.
+    #[must_use]
+    pub fn from_label(label: f64) -> Option<Self> {
+        [Self::First, Self::Second, Self::Equal]
+            .into_iter()
+            .find(|answer| f64::from(answer.label()) == label)
+    }
+}

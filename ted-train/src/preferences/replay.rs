@@ -1,0 +1,65 @@
+//! A teacher that repeats what a log says.
+
+use super::error::describe;
+use super::{Answer, LogEntry, PreferenceError, PreferenceLog, Query, Teacher};
+use crate::dataset::Dataset;
+use std::path::Path;
+
+/// Gives the answers of a log to the same questions in the same order, so that a run can be repeated from the file alone.
+#[derive(Clone, Debug)]
+pub struct ReplayTeacher {
+    name: String,
+    entries: Vec<LogEntry>,
+    asked: usize,
+}
+
+impl ReplayTeacher {
+    /// Reads the log at `path`, which must be about `dataset`.
+    pub fn open(path: impl AsRef<Path>, dataset: &Dataset) -> Result<Self, PreferenceError> {
+        let path = path.as_ref();
+        let entries = PreferenceLog::read(path, dataset)?;
+        let file = path
+            .file_name()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy();
+        Ok(Self {
+            name: format!("replay:{file}"),
+            entries,
+            asked: 0,
+        })
+    }
+}
+
+impl Teacher for ReplayTeacher {
+    fn name(&self) -> &str {
+        // Whoever answered first is who answered: a replayed log is equal to the original to the byte.
+        match self
+            .asked
+            .checked_sub(1)
+            .and_then(|last| self.entries.get(last))
+        {
+            Some(entry) => &entry.by,
+            None => &self.name,
+        }
+    }
+
+    fn answer(&mut self, _: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
+        let number = self.asked + 1;
+        let entry = self
+            .entries
+            .get(self.asked)
+            .ok_or(PreferenceError::ReplayExhausted {
+                answers: self.entries.len(),
+                number,
+            })?;
+        if entry.query != *query {
+            return Err(PreferenceError::OtherQuestion {
+                number,
+                asked: describe(query),
+                logged: describe(&entry.query),
+            });
+        }
+        self.asked += 1;
+        Ok(entry.answer)
+    }
+}
