@@ -3,52 +3,10 @@
 //!
 //! A policy that was recorded through this controller comes back with a difference of zero.
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
+use serde::Serialize;
 
+use super::recording::{Recording, RecordingError, RecordingShape};
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
-
-/// One recorded episode.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Recording {
-    /// The seed the episode is asked for by.
-    pub seed: u64,
-    /// One row per step and one after the last.
-    pub observations: Vec<f32>,
-    /// One row per step.
-    pub actions: Vec<f32>,
-    /// One value per step.
-    pub rewards: Vec<f64>,
-    /// One value per step.
-    pub success: Vec<bool>,
-}
-
-/// The row lengths and the period that all recordings of a plant share.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RecordingShape {
-    /// Values in an observation.
-    pub observation_dim: usize,
-    /// Values in an action.
-    pub action_dim: usize,
-    /// Time between two steps.
-    pub control_period_us: u32,
-}
-
-/// The arrays of a recording do not fit together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("replay episode {seed}: its {array} hold {actual} values, {expected} are needed")]
-pub struct RecordingError {
-    /// The episode.
-    pub seed: u64,
-    /// Which array.
-    pub array: &'static str,
-    /// Values it must hold.
-    pub expected: usize,
-    /// Values it holds.
-    pub actual: usize,
-}
 
 /// Where a sent action was farthest from the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -169,34 +127,6 @@ impl Plant for ReplayPlant {
     }
 }
 
-impl Recording {
-    fn check(&self, shape: RecordingShape) -> Result<(), RecordingError> {
-        let steps = self.rewards.len();
-        let needed = [
-            ("rewards", steps.max(1), steps),
-            (
-                "observations",
-                (steps + 1) * shape.observation_dim,
-                self.observations.len(),
-            ),
-            ("actions", steps * shape.action_dim, self.actions.len()),
-            ("success flags", steps, self.success.len()),
-        ];
-        match needed
-            .into_iter()
-            .find(|(_, expected, actual)| expected != actual)
-        {
-            Some((array, expected, actual)) => Err(RecordingError {
-                seed: self.seed,
-                array,
-                expected,
-                actual,
-            }),
-            None => Ok(()),
-        }
-    }
-}
-
 fn row(array: &[f32], index: usize, dim: usize) -> Option<&[f32]> {
     array.get(index * dim..(index + 1) * dim)
 }
@@ -274,22 +204,6 @@ mod tests {
         plant.reset(9).unwrap();
         plant.apply(&[f32::NAN]).unwrap();
         assert_eq!(plant.largest_difference().unwrap().absolute, f32::INFINITY);
-    }
-
-    #[test]
-    fn an_array_of_the_wrong_length_is_named() {
-        let mut short = recording();
-        short.observations.pop();
-        let error = ReplayPlant::new(SHAPE, vec![short]).unwrap_err();
-        assert_eq!(
-            (error.array, error.expected, error.actual),
-            ("observations", 6, 5)
-        );
-        let empty = Recording::default();
-        assert_eq!(
-            ReplayPlant::new(SHAPE, vec![empty]).unwrap_err().array,
-            "rewards"
-        );
     }
 
     #[test]

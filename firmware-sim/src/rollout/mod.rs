@@ -149,7 +149,7 @@ impl<P: Plant, M: Fn() -> Result<P, PlantError>, S: Fn() -> bool> Crew<'_, M, S>
         if let Err(error) = self.fly_until_done(landings) {
             self.failed.store(true, Ordering::Relaxed);
             // The receiver lives until every worker has ended.
-            let _ = landings.send(Err(error));
+            landings.send(Err(error)).unwrap_or_default();
         }
     }
 
@@ -161,8 +161,17 @@ impl<P: Plant, M: Fn() -> Result<P, PlantError>, S: Fn() -> bool> Crew<'_, M, S>
             let Some(&seed) = self.seeds.get(index) else {
                 break;
             };
-            let (report, times) = self.fly_seed(&mut controller, &mut plant, seed)?;
-            let _ = landings.send(Ok((index, report, times)));
+            match self.fly_seed(&mut controller, &mut plant, seed) {
+                Ok((report, times)) => landings
+                    .send(Ok((index, report, times)))
+                    .unwrap_or_default(),
+                // A link may well break because of what asked for the stop.
+                Err(FlyError::Episode {
+                    source: PlantError::Link(_),
+                    ..
+                }) if (self.stop)() => break,
+                Err(error) => return Err(error),
+            }
         }
         Ok(())
     }

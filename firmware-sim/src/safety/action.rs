@@ -58,9 +58,12 @@ impl ActionGuard {
     /// A guard for this contract, with the plant at rest: zero counts as the last action sent.
     #[must_use]
     pub fn new(contract: &Contract<'_>) -> Self {
-        // At most as many as the contract itself has room for.
-        let limits: Vec<Limit, MAX_ACTION> = contract.action.iter().map(Limit::of).collect();
-        let last_sent = limits.iter().map(Limit::rest).collect();
+        let (mut limits, mut last_sent) = (Vec::new(), Vec::new());
+        for limit in contract.action.iter().map(Limit::of) {
+            // There is room: the contract's own list has no more.
+            limits.push(limit).ok();
+            last_sent.push(limit.rest()).ok();
+        }
         Self { limits, last_sent }
     }
 

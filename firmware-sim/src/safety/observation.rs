@@ -29,13 +29,13 @@ impl ObservationGuard {
     /// A guard for this contract, before its first frame.
     #[must_use]
     pub fn new(contract: &Contract<'_>) -> Self {
-        let ranges = contract
-            .observation
-            .iter()
-            .map(|channel| (channel.low, channel.high));
+        let mut ranges = Vec::new();
+        for channel in &contract.observation {
+            // There is room: the contract's own list has no more.
+            ranges.push((channel.low, channel.high)).ok();
+        }
         Self {
-            // At most as many as the contract itself has room for.
-            ranges: ranges.collect(),
+            ranges,
             max_age_us: u64::from(contract.max_observation_age_us),
             last_sequence: None,
         }

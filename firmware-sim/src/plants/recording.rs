@@ -1,0 +1,165 @@
+//! Recorded episodes: what was seen, what was sent, what came of it. On disk they are one JSON object.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// One recorded episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// The seed the episode is asked for by.
+    pub seed: u64,
+    /// One row per step and one after the last.
+    pub observations: Vec<f32>,
+    /// One row per step.
+    pub actions: Vec<f32>,
+    /// One value per step.
+    pub rewards: Vec<f64>,
+    /// One value per step.
+    pub success: Vec<bool>,
+}
+
+/// The row lengths and the period that all recordings of a plant share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingShape {
+    /// Values in an observation.
+    pub observation_dim: usize,
+    /// Values in an action.
+    pub action_dim: usize,
+    /// Time between two steps.
+    pub control_period_us: u32,
+}
+
+/// The arrays of a recording do not fit together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("replay episode {seed}: its {array} hold {actual} values, {expected} are needed")]
+pub struct RecordingError {
+    /// The episode.
+    pub seed: u64,
+    /// Which array.
+    pub array: &'static str,
+    /// Values it must hold.
+    pub expected: usize,
+    /// Values it holds.
+    pub actual: usize,
+}
+
+/// Recorded episodes with their shape: the content of a recording file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recordings {
+    /// What all of them share.
+    pub shape: RecordingShape,
+    /// The episodes.
+    pub episodes: Vec<Recording>,
+}
+
+impl Recordings {
+    /// Reads a recording file. Its arrays are checked by [`super::replay::ReplayPlant::new`].
+    ///
+    /// # Errors
+    /// When the file cannot be read or is no recording.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        Ok(serde_json::from_reader(BufReader::new(File::open(path)?))?)
+    }
+
+    /// Writes a recording file; every number comes back with its bits.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let mut file = BufWriter::new(File::create(path)?);
+        serde_json::to_writer(&mut file, self)?;
+        file.flush()
+    }
+}
+
+impl Recording {
+    /// Whether the arrays have the lengths that the number of rewards asks for.
+    ///
+    /// # Errors
+    /// The first array that has not.
+    pub fn check(&self, shape: RecordingShape) -> Result<(), RecordingError> {
+        let steps = self.rewards.len();
+        let needed = [
+            ("rewards", steps.max(1), steps),
+            (
+                "observations",
+                (steps + 1) * shape.observation_dim,
+                self.observations.len(),
+            ),
+            ("actions", steps * shape.action_dim, self.actions.len()),
+            ("success flags", steps, self.success.len()),
+        ];
+        match needed
+            .into_iter()
+            .find(|(_, expected, actual)| expected != actual)
+        {
+            Some((array, expected, actual)) => Err(RecordingError {
+                seed: self.seed,
+                array,
+                expected,
+                actual,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::splitmix::mix;
+
+    const SHAPE: RecordingShape = RecordingShape {
+        observation_dim: 2,
+        action_dim: 1,
+        control_period_us: 1_000,
+    };
+
+    fn recording() -> Recording {
+        Recording {
+            seed: u64::MAX,
+            observations: vec![0.0, 0.1, 1.0, 1.1, 2.0, 2.1],
+            actions: vec![0.5, -0.5],
+            rewards: vec![1.0, 2.0],
+            success: vec![false, true],
+        }
+    }
+
+    #[test]
+    fn an_array_of_the_wrong_length_is_named() {
+        assert_eq!(recording().check(SHAPE), Ok(()));
+        let mut short = recording();
+        short.observations.pop();
+        let error = short.check(SHAPE).unwrap_err();
+        assert_eq!(
+            (error.array, error.expected, error.actual),
+            ("observations", 6, 5)
+        );
+        assert_eq!(
+            Recording::default().check(SHAPE).unwrap_err().array,
+            "rewards"
+        );
+    }
+
+    #[test]
+    fn numbers_come_back_from_a_file_with_their_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("recording.json");
+        let mut numbers = recording();
+        let drawn = (0..20_000).map(|index| f32::from_bits(mix(1, index) as u32));
+        numbers.actions = drawn.filter(|value| value.is_finite()).collect();
+        let written = Recordings {
+            shape: SHAPE,
+            episodes: vec![numbers],
+        };
+        written.write(&path).unwrap();
+        assert_eq!(Recordings::read(&path).unwrap(), written);
+    }
+}
