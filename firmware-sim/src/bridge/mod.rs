@@ -7,6 +7,8 @@ pub mod environment;
 mod episode;
 mod error;
 pub mod frame;
+#[cfg(test)]
+mod golden;
 mod last_words;
 mod link;
 pub mod message;

@@ -1,6 +1,7 @@
 //! Plants that need nothing but this crate: a toy, a recording, and wrappers that record or lie.
 
 pub mod fault;
+pub mod metaworld;
 pub mod recorder;
 pub mod recording;
 pub mod replay;
