@@ -4,9 +4,6 @@ use crate::error::{Part, ShapeError};
 use crate::kernel;
 use crate::limits::MAX_WIDTH;
 
-/// Rows computed together for one sample: four rows of four lanes fit the registers of a Cortex-M4F and of SSE2.
-const ROWS: usize = 4;
-
 /// A dense layer: `weights` row-major `[outputs][inputs]`, one bias per output. Its existence proves that they fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Dense<'a> {
@@ -71,7 +68,7 @@ impl<'a> Dense<'a> {
     ) -> Result<(), ShapeError> {
         ShapeError::same(Part::Input, self.inputs, x.len())?;
         ShapeError::same(Part::Output, self.outputs(), out.len())?;
-        kernel::dense::<ROWS, 1>(self.weights, self.bias, [x], [out], activate);
+        kernel::dense(self.weights, self.bias, x, out, activate);
         Ok(())
     }
 }

@@ -68,14 +68,10 @@ impl<'a> RewardEnsemble<'a> {
             ShapeError::same(Part::Inputs, normaliser.channels(), member.inputs())?;
             ShapeError::same(Part::Outputs, 1, member.outputs())?;
         }
-        let too_many = ShapeError::TooLarge {
-            part: Part::Members,
-            limit: MAX_MEMBERS,
-            actual: members.len(),
-        };
         let mut list = Vec::new();
         for member in members {
-            list.push(member.clone()).map_err(|_| too_many)?;
+            list.push(member.clone())
+                .map_err(|_| too_many(members.len()))?;
         }
         Ok(Self {
             input,
@@ -135,7 +131,10 @@ impl<'a> RewardEnsemble<'a> {
         for member in &self.members {
             let mut output = [0.0];
             member.run(input.values, input.ping_pong, &mut output)?;
-            outputs.extend(output);
+            let [output] = output;
+            outputs
+                .push(output)
+                .map_err(|_| too_many(self.members.len()))?;
         }
         Ok(outputs)
     }
@@ -175,4 +174,12 @@ fn mean(outputs: &[f32]) -> f32 {
         sum += output;
     }
     sum / outputs.len() as f32
+}
+
+fn too_many(actual: usize) -> ShapeError {
+    ShapeError::TooLarge {
+        part: Part::Members,
+        limit: MAX_MEMBERS,
+        actual,
+    }
 }

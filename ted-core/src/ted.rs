@@ -173,3 +173,97 @@ impl EpisodeReturn {
         self.sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ted(return_hat: f32, last_tied_episode: u32) -> TedDiscount {
+        TedDiscount::new(
+            0.99,
+            0.7,
+            ReturnThreshold {
+                return_hat,
+                last_tied_episode,
+            },
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn a_tie_is_won_by_the_earlier_episode_and_lost_by_a_new_one() {
+        let ted = ted(10.0, 4);
+        assert_eq!(ted.class(10.0, 3), DiscountClass::TopK);
+        assert_eq!(ted.class(10.0, 4), DiscountClass::TopK);
+        assert_eq!(ted.class(10.0, 5), DiscountClass::BelowTopK);
+        assert_eq!(ted.class(10.0, NEW_EPISODE), DiscountClass::BelowTopK);
+    }
+
+    #[test]
+    fn without_a_tie_only_the_return_decides() {
+        let ted = ted(10.0, 4);
+        assert_eq!(
+            ted.class(10.0_f32.next_up(), NEW_EPISODE),
+            DiscountClass::TopK
+        );
+        assert_eq!(ted.class(10.0_f32.next_down(), 0), DiscountClass::BelowTopK);
+        assert_eq!(ted.class(f32::NAN, 0), DiscountClass::BelowTopK);
+    }
+
+    #[test]
+    fn the_ends_of_k_let_everything_or_nothing_pass() {
+        for return_hat in [-1e30, 0.0, 500.0] {
+            let all = TedDiscount::new(0.99, 0.7, ReturnThreshold::ALL).unwrap();
+            let none = TedDiscount::new(0.99, 0.7, ReturnThreshold::NONE).unwrap();
+            assert_eq!(all.class(return_hat, NEW_EPISODE), DiscountClass::TopK);
+            assert_eq!(none.class(return_hat, 0), DiscountClass::BelowTopK);
+        }
+    }
+
+    #[test]
+    fn sigma_lowers_gamma_below_the_border_and_one_leaves_its_bits() {
+        let ted = ted(10.0, 4);
+        assert_eq!(ted.discount(DiscountClass::TopK), 0.99);
+        assert_eq!(ted.discount(DiscountClass::BelowTopK), 0.7 * 0.99);
+        let plain = TedDiscount::new(0.99, 1.0, ReturnThreshold::NONE).unwrap();
+        assert_eq!(
+            plain.discount(DiscountClass::BelowTopK).to_bits(),
+            0.99_f32.to_bits()
+        );
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        let threshold = ReturnThreshold {
+            return_hat: 0.0,
+            last_tied_episode: 0,
+        };
+        for bad in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+            assert!(matches!(
+                TedDiscount::new(bad, 0.7, threshold),
+                Err(DiscountError::Gamma { .. })
+            ));
+            assert!(matches!(
+                TedDiscount::new(0.9, bad, threshold),
+                Err(DiscountError::Sigma { .. })
+            ));
+        }
+        let threshold = ReturnThreshold {
+            return_hat: f32::NAN,
+            last_tied_episode: 0,
+        };
+        assert!(matches!(
+            TedDiscount::new(0.9, 0.7, threshold),
+            Err(DiscountError::Threshold { .. })
+        ));
+    }
+
+    #[test]
+    fn an_episode_return_is_the_sum_in_step_order() {
+        let mut episode = EpisodeReturn::new();
+        for reward_hat in [1e8, 1.0, -1e8] {
+            episode.push(reward_hat);
+        }
+        assert_eq!(episode.return_hat(), (1e8_f32 + 1.0) - 1e8);
+    }
+}

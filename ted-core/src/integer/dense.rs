@@ -1,7 +1,6 @@
 //! One integer dense layer and the proof that its accumulator cannot overflow.
 
-use core::fmt;
-
+use super::error::IntegerError;
 use crate::error::{Part, ShapeError};
 use crate::limits::MAX_WIDTH;
 
@@ -32,90 +31,6 @@ pub const fn bias_limit(inputs: usize) -> i32 {
 
 const _: () =
     assert!((MAX_WIDTH as i64) * (MAX_WEIGHT as i64) * (MAX_ACTIVATION as i64) < i32::MAX as i64);
-
-/// Why an integer layer was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum IntegerError {
-    /// The sizes do not fit together.
-    Shape(ShapeError),
-    /// A weight is -128.
-    Weight {
-        /// Where, row-major.
-        index: usize,
-    },
-    /// A bias could make the accumulator overflow.
-    Bias {
-        /// Which output.
-        index: usize,
-        /// The largest magnitude allowed.
-        limit: i32,
-        /// What it is.
-        actual: i32,
-    },
-    /// A multiplier is not in [2^30, 2^31).
-    Multiplier {
-        /// Which output.
-        index: usize,
-        /// What it is.
-        actual: i32,
-    },
-    /// A shift is not in [-31, 31].
-    Shift {
-        /// Which output.
-        index: usize,
-        /// What it is.
-        actual: i8,
-    },
-    /// A number of fraction bits is more than an `i16` has.
-    FractionBits {
-        /// The most there can be.
-        limit: u8,
-        /// What it is.
-        actual: u8,
-    },
-}
-
-impl From<ShapeError> for IntegerError {
-    fn from(error: ShapeError) -> Self {
-        Self::Shape(error)
-    }
-}
-
-impl fmt::Display for IntegerError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Shape(error) => error.fmt(f),
-            Self::Weight { index } => {
-                write!(f, "integer weight {index} is -128, weights are symmetric")
-            }
-            Self::Bias {
-                index,
-                limit,
-                actual,
-            } => {
-                write!(
-                    f,
-                    "integer bias {index} is {actual}, beyond {limit} the accumulator could overflow"
-                )
-            }
-            Self::Multiplier { index, actual } => {
-                write!(
-                    f,
-                    "integer multiplier {index} is {actual}, not in [2^30, 2^31)"
-                )
-            }
-            Self::Shift { index, actual } => {
-                write!(f, "integer shift {index} is {actual}, not in [-31, 31]")
-            }
-            Self::FractionBits { limit, actual } => {
-                write!(f, "{actual} fraction bits, at most {limit} fit")
-            }
-        }
-    }
-}
-
-impl core::error::Error for IntegerError {}
 
 /// A dense layer in integers. Per output: `acc = bias + sum(w * x)`, then `acc * multiplier * 2^(shift - 31)`.
 #[derive(Clone, Copy, Debug)]
@@ -211,5 +126,86 @@ impl<'a> IntegerDense<'a> {
     #[must_use]
     pub fn shifts(&self) -> &'a [i8] {
         self.shifts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MULTIPLIER: i32 = 1 << 30;
+
+    #[test]
+    fn the_worst_accumulator_of_the_widest_layer_just_fits() {
+        let product = i64::from(MAX_WEIGHT) * i64::from(MAX_ACTIVATION);
+        for inputs in [1, 39, MAX_WIDTH] {
+            assert_eq!(
+                inputs as i64 * product + i64::from(bias_limit(inputs)),
+                i64::from(i32::MAX)
+            );
+        }
+    }
+
+    #[test]
+    fn a_bias_at_the_limit_is_taken_and_one_more_is_refused() {
+        let layer =
+            |bias: &[i32]| IntegerDense::new(2, &[1, 2], bias, &[MULTIPLIER], &[0]).map(|_| ());
+        let limit = bias_limit(2);
+        assert_eq!(layer(&[limit]), Ok(()));
+        assert_eq!(layer(&[-limit]), Ok(()));
+        let refused = |actual| {
+            Err(IntegerError::Bias {
+                index: 0,
+                limit,
+                actual,
+            })
+        };
+        assert_eq!(layer(&[limit + 1]), refused(limit + 1));
+        assert_eq!(layer(&[i32::MIN]), refused(i32::MIN));
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused() {
+        let layer = |weight, multiplier, shift| {
+            IntegerDense::new(1, &[weight], &[0], &[multiplier], &[shift]).map(|_| ())
+        };
+        assert_eq!(layer(-127, MULTIPLIER, -31), Ok(()));
+        assert_eq!(
+            layer(-128, MULTIPLIER, 0),
+            Err(IntegerError::Weight { index: 0 })
+        );
+        let actual = MULTIPLIER - 1;
+        assert_eq!(
+            layer(1, actual, 0),
+            Err(IntegerError::Multiplier { index: 0, actual })
+        );
+        assert_eq!(
+            layer(1, MULTIPLIER, 32),
+            Err(IntegerError::Shift {
+                index: 0,
+                actual: 32
+            })
+        );
+        assert_eq!(
+            layer(1, MULTIPLIER, i8::MIN),
+            Err(IntegerError::Shift {
+                index: 0,
+                actual: i8::MIN
+            })
+        );
+    }
+
+    #[test]
+    fn sizes_that_do_not_agree_are_refused() {
+        let error = IntegerDense::new(2, &[0; 3], &[0; 2], &[MULTIPLIER; 2], &[0; 2]).unwrap_err();
+        let expected = ShapeError::Mismatch {
+            part: Part::Weights,
+            expected: 4,
+            actual: 3,
+        };
+        assert_eq!(error, IntegerError::Shape(expected));
+        assert!(IntegerDense::new(0, &[], &[0], &[MULTIPLIER], &[0]).is_err());
+        assert!(IntegerDense::new(1, &[0], &[0], &[], &[0]).is_err());
+        assert!(IntegerDense::new(1, &[0], &[0], &[MULTIPLIER], &[]).is_err());
     }
 }

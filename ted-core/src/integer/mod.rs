@@ -4,7 +4,9 @@
 //! here does float arithmetic.
 
 mod dense;
+mod error;
 mod policy;
 
-pub use dense::{IntegerDense, IntegerError, MAX_ACTIVATION, MAX_WEIGHT, bias_limit};
+pub use dense::{IntegerDense, MAX_ACTIVATION, MAX_WEIGHT, bias_limit};
+pub use error::IntegerError;
 pub use policy::{IntegerMlp, IntegerPolicy, MAX_FRACTION_BITS};

@@ -2,7 +2,8 @@
 
 use heapless::Vec;
 
-use super::dense::{IntegerDense, IntegerError};
+use super::dense::IntegerDense;
+use super::error::IntegerError;
 use crate::error::{Part, ShapeError};
 use crate::limits::{MAX_ACTION, MAX_LAYERS, MAX_OBSERVATION};
 use crate::mlp::Output;
@@ -117,5 +118,31 @@ impl<'a> IntegerPolicy<'a> {
     #[must_use]
     pub fn mlp(&self) -> &IntegerMlp<'a> {
         &self.mlp
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MULTIPLIER: i32 = 1 << 30;
+
+    #[test]
+    fn layers_must_chain_and_fraction_bits_must_fit() {
+        let first = IntegerDense::new(2, &[0; 6], &[0; 3], &[MULTIPLIER; 3], &[0; 3]).unwrap();
+        let last = IntegerDense::new(3, &[0; 3], &[0; 1], &[MULTIPLIER; 1], &[0; 1]).unwrap();
+        assert!(IntegerMlp::new(&[last, first], Output::Tanh).is_err());
+        assert!(IntegerMlp::new(&[], Output::Tanh).is_err());
+        let mlp = IntegerMlp::new(&[first, last], Output::Tanh).unwrap();
+        assert_eq!((mlp.inputs(), mlp.outputs()), (2, 1));
+        assert!(IntegerPolicy::new(12, 12, mlp.clone()).is_ok());
+        let error = IntegerPolicy::new(12, 16, mlp).unwrap_err();
+        assert_eq!(
+            error,
+            IntegerError::FractionBits {
+                limit: 15,
+                actual: 16
+            }
+        );
     }
 }
