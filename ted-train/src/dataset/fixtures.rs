@@ -32,7 +32,9 @@ fn record(index: u64, steps: usize) -> EpisodeRecord {
         rewards: floats(steps),
         terminations: (0..steps).map(|step| last(step) && index == 1).collect(),
         truncations: (0..steps).map(|step| last(step) && index != 1).collect(),
-        success: (0..steps).map(|step| step >= 3 && index.is_multiple_of(2)).collect(),
+        success: (0..steps)
+            .map(|step| step >= 3 && index.is_multiple_of(2))
+            .collect(),
         infos: vec![
             InfoColumn {
                 name: "qpos".into(),

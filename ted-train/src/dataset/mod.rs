@@ -8,7 +8,6 @@
 
 mod assemble;
 mod digest;
-mod disk;
 mod error;
 #[cfg(test)]
 pub(crate) mod fixtures;
@@ -18,7 +17,7 @@ mod record;
 mod segment;
 mod statistics;
 
-pub use disk::WriteError;
+pub use crate::disk::WriteError;
 pub use error::DatasetError;
 pub use in_memory::{Dataset, Episode};
 pub use record::{EpisodeRecord, InfoColumn, Shape};

@@ -18,10 +18,13 @@ pub use id::DatasetId;
 pub use metadata::{Behaviour, EpisodeNote, Origin};
 pub(super) use reader::read;
 pub use writer::DatasetWriter;
+pub(crate) use writer::{finished_origin, kept_episode};
 
 /// The Minari version whose layout is written; newer packages read it too.
 pub const MINARI_VERSION: &str = "0.5.4";
 
+/// Name of the folder of the episodes.
+const DATA: &str = "data";
 /// Name of the one Arrow file of an episode.
 const PART: &str = "part-0.arrow";
 /// Name of the metadata file of a dataset and of an episode.

@@ -1,7 +1,7 @@
 //! Reads a Minari dataset in Arrow storage: all episodes in parallel, each straight into its place in memory.
 
 use super::metadata::{DatasetMetadata, EpisodeMetadata};
-use super::{METADATA, PART, decode};
+use super::{DATA, METADATA, PART, decode};
 use crate::dataset::assemble::{Filled, assemble};
 use crate::dataset::{Dataset, DatasetError};
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
 
 /// The `data` folder of a dataset, whichever of the two was named.
 fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
-    let inner = path.join("data");
+    let inner = path.join(DATA);
     if inner.is_dir() {
         Ok(inner)
     } else if path.is_dir() {

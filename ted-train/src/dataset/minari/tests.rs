@@ -1,9 +1,9 @@
 //! The writer and the reader against each other, against killed and failing writers, and against damaged files.
 
 use super::*;
-use crate::dataset::disk::Disk;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::dataset::{Dataset, EpisodeRecord, WriteError};
+use crate::disk::Disk;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

@@ -4,10 +4,12 @@
 //! (written under a hidden name, brought to the disk, renamed), and `data/metadata.json` comes last. A lock file keeps a second
 //! process out for as long as the writer lives.
 
-use super::metadata::{Behaviour, EpisodeMetadata, EpisodeNote, Origin, dataset_metadata, to_json};
-use super::{DatasetId, METADATA, PART, encode};
-use crate::dataset::disk::{Disk, create_folder, lock, rename, sync_folder};
+use super::metadata::{
+    Behaviour, DatasetMetadata, EpisodeMetadata, EpisodeNote, Origin, dataset_metadata, to_json,
+};
+use super::{DATA, DatasetId, METADATA, PART, encode};
 use crate::dataset::{EpisodeRecord, Shape, WriteError};
+use crate::disk::{Disk, create_folder, lock, rename, sync_folder};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -45,7 +47,7 @@ impl DatasetWriter {
         shape: Shape,
     ) -> Result<Self, WriteError> {
         let folder = id.folder(root);
-        let data = folder.join("data");
+        let data = folder.join(DATA);
         create_folder(&data)?;
         let lock = lock(&folder)?;
         let namespace = root.join(id.namespace()).join(NAMESPACE_METADATA);
@@ -78,11 +80,7 @@ impl DatasetWriter {
     /// The note of an episode that is already complete, with this seed and behaviour and undamaged bytes.
     #[must_use]
     pub fn kept(&self, episode: u32, seed: u64, behaviour: &Behaviour) -> Option<EpisodeNote> {
-        let (metadata, bytes) = self.read_back(episode)?;
-        let note = metadata.ted?;
-        let same =
-            metadata.id == episode && metadata.seed == Some(seed) && note.behaviour == *behaviour;
-        (same && *blake3::hash(&bytes).to_hex() == *note.blake3).then_some(note)
+        kept_episode(&self.folder, episode, seed, behaviour)
     }
 
     /// Writes one episode; when this returns it is on the disk.
@@ -126,9 +124,8 @@ impl DatasetWriter {
         let mut bytes = 0;
         for episode in 0..self.origin.episodes {
             let folder = self.data.join(episode.to_string());
-            let metadata = self
-                .episode_metadata(episode)
-                .ok_or_else(|| WriteError::Different {
+            let metadata =
+                episode_metadata(&self.data, episode).ok_or_else(|| WriteError::Different {
                     path: folder.clone(),
                     difference: "the episode is missing or its metadata unreadable".into(),
                 })?;
@@ -184,17 +181,35 @@ impl DatasetWriter {
         }
         Ok(())
     }
+}
 
-    fn episode_metadata(&self, episode: u32) -> Option<EpisodeMetadata> {
-        let path = self.data.join(episode.to_string()).join(METADATA);
-        serde_json::from_slice(&fs::read(path).ok()?).ok()
-    }
+/// The note of an episode that is complete in the dataset at `folder`, with this seed and behaviour and undamaged bytes.
+pub(crate) fn kept_episode(
+    folder: &Path,
+    episode: u32,
+    seed: u64,
+    behaviour: &Behaviour,
+) -> Option<EpisodeNote> {
+    let data = folder.join(DATA);
+    let metadata = episode_metadata(&data, episode)?;
+    let part = fs::read(data.join(episode.to_string()).join(PART)).ok()?;
+    let note = metadata.ted?;
+    let same =
+        metadata.id == episode && metadata.seed == Some(seed) && note.behaviour == *behaviour;
+    (same && *blake3::hash(&part).to_hex() == *note.blake3).then_some(note)
+}
 
-    fn read_back(&self, episode: u32) -> Option<(EpisodeMetadata, Vec<u8>)> {
-        let metadata = self.episode_metadata(episode)?;
-        let part = fs::read(self.data.join(episode.to_string()).join(PART)).ok()?;
-        Some((metadata, part))
-    }
+/// How the dataset at `folder` was collected, if its collection was finished.
+pub(crate) fn finished_origin(folder: &Path) -> Option<Origin> {
+    DatasetMetadata::read(&folder.join(DATA))
+        .ok()?
+        .ted
+        .map(|ted| ted.origin)
+}
+
+fn episode_metadata(data: &Path, episode: u32) -> Option<EpisodeMetadata> {
+    let path = data.join(episode.to_string()).join(METADATA);
+    serde_json::from_slice(&fs::read(path).ok()?).ok()
 }
 
 /// Prefix of an episode folder that is being written.

@@ -43,11 +43,11 @@ pub enum WriteError {
     },
     /// An episode that is not consistent in itself.
     #[error(transparent)]
-    Episode(#[from] super::DatasetError),
+    Episode(#[from] crate::dataset::DatasetError),
 }
 
 impl WriteError {
-    pub(super) fn at(path: &Path, source: io::Error) -> Self {
+    pub(crate) fn at(path: &Path, source: io::Error) -> Self {
         let path = path.to_path_buf();
         match source.kind() {
             io::ErrorKind::StorageFull
@@ -60,22 +60,22 @@ impl WriteError {
 
 /// The file system, with the one operation that a test needs to fail.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Disk {
+pub(crate) struct Disk {
     create: fn(&Path) -> io::Result<File>,
 }
 
 impl Disk {
-    pub(super) const REAL: Self = Self {
+    pub(crate) const REAL: Self = Self {
         create: |path| File::create(path),
     };
 
     #[cfg(test)]
-    pub(super) fn with_create(create: fn(&Path) -> io::Result<File>) -> Self {
+    pub(crate) fn with_create(create: fn(&Path) -> io::Result<File>) -> Self {
         Self { create }
     }
 
     /// Writes a file and waits until it is on the disk.
-    pub(super) fn write(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    pub(crate) fn write(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         (self.create)(path)
             .and_then(|mut file| {
                 file.write_all(bytes)?;
@@ -85,7 +85,7 @@ impl Disk {
     }
 
     /// Puts `bytes` in the place of `path` in one step: a reader sees the old file or the new one.
-    pub(super) fn replace(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    pub(crate) fn replace(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         let temporary = path.with_extension("tmp");
         self.write(&temporary, bytes)?;
         rename(&temporary, path)
@@ -93,7 +93,7 @@ impl Disk {
 }
 
 /// Renames inside one folder and waits until the new name is on the disk.
-pub(super) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
+pub(crate) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
     fs::rename(from, to).map_err(|error| WriteError::at(to, error))?;
     match to.parent() {
         Some(folder) => sync_folder(folder),
@@ -102,19 +102,19 @@ pub(super) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
 }
 
 /// Waits until the names inside a folder are on the disk.
-pub(super) fn sync_folder(folder: &Path) -> Result<(), WriteError> {
+pub(crate) fn sync_folder(folder: &Path) -> Result<(), WriteError> {
     File::open(folder)
         .and_then(|folder| folder.sync_all())
         .map_err(|error| WriteError::at(folder, error))
 }
 
 /// Creates a folder and those above it.
-pub(super) fn create_folder(folder: &Path) -> Result<(), WriteError> {
+pub(crate) fn create_folder(folder: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(folder).map_err(|error| WriteError::at(folder, error))
 }
 
 /// Locks `folder` against a second writer for as long as the returned file lives.
-pub(super) fn lock(folder: &Path) -> Result<File, WriteError> {
+pub(crate) fn lock(folder: &Path) -> Result<File, WriteError> {
     let path = folder.join(".writer.lock");
     let file = File::create(&path).map_err(|error| WriteError::at(&path, error))?;
     match file.try_lock() {

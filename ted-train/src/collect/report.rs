@@ -1,0 +1,73 @@
+//! What a collected dataset came to, in the terms of the paper's table of datasets.
+
+use crate::dataset::minari::EpisodeNote;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What a dataset came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CollectReport {
+    /// `namespace/name-vN`.
+    pub dataset: String,
+    /// Where it lies.
+    pub folder: PathBuf,
+    /// Episodes recorded by this run; the others were there before.
+    pub collected: usize,
+    /// Each part of the recipe, such as `noisy`, in the order of the episodes.
+    pub parts: Vec<PartReport>,
+    /// All episodes together.
+    pub mix: PartReport,
+}
+
+/// True returns and success over some episodes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartReport {
+    /// Which episodes.
+    pub part: String,
+    /// How many.
+    pub episodes: usize,
+    /// Mean true return.
+    pub mean_return: f64,
+    /// Largest true return.
+    pub max_return: f64,
+    /// Share of episodes in which the task was solved at some step.
+    pub success_rate: f64,
+}
+
+impl CollectReport {
+    /// The report over the notes of all episodes in order.
+    pub(super) fn new(
+        dataset: String,
+        folder: PathBuf,
+        collected: usize,
+        notes: Vec<EpisodeNote>,
+    ) -> Self {
+        let parts = notes
+            .chunk_by(|one, next| one.behaviour.part == next.behaviour.part)
+            .map(|notes| PartReport::new(&notes[0].behaviour.part, notes))
+            .collect();
+        Self {
+            dataset,
+            folder,
+            collected,
+            parts,
+            mix: PartReport::new("mix", &notes),
+        }
+    }
+}
+
+impl PartReport {
+    fn new(part: &str, notes: &[EpisodeNote]) -> Self {
+        let count = notes.len() as f64;
+        Self {
+            part: part.into(),
+            episodes: notes.len(),
+            mean_return: notes.iter().map(|note| note.return_true).sum::<f64>() / count,
+            max_return: notes
+                .iter()
+                .map(|note| note.return_true)
+                .fold(f64::NEG_INFINITY, f64::max),
+            success_rate: notes.iter().filter(|note| note.success).count() as f64 / count,
+        }
+    }
+}

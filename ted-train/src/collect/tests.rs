@@ -1,0 +1,258 @@
+//! Collection against a simulator made of arithmetic: order, kills, failures and refusals.
+
+use super::*;
+use crate::dataset::Dataset;
+use firmware_sim::bridge::{BridgeError, Episode, Shape as BridgeShape};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// Plays episodes that are arithmetic on the seed, in a chosen order, and stops after some.
+struct Arithmetic {
+    versions: &'static str,
+    backwards: bool,
+    stop_after: usize,
+    played: Vec<u64>,
+}
+
+impl Arithmetic {
+    fn new() -> Self {
+        Self {
+            versions: "python=3.11.7 metaworld=3.1.1 machine=x",
+            backwards: false,
+            stop_after: usize::MAX,
+            played: vec![],
+        }
+    }
+}
+
+impl EpisodeSource for Arithmetic {
+    fn versions(&mut self) -> Result<String, BridgeError> {
+        Ok(self.versions.into())
+    }
+
+    fn run(
+        &mut self,
+        jobs: &[EpisodeJob],
+        on_episode: source::OnEpisode,
+    ) -> Result<(), BridgeError> {
+        let mut order: Vec<_> = (0..jobs.len()).collect();
+        if self.backwards {
+            order.reverse();
+        }
+        for (count, index) in order.into_iter().enumerate() {
+            if count == self.stop_after {
+                return Err(BridgeError::Interrupted);
+            }
+            self.played.push(jobs[index].seed);
+            if on_episode(index, episode(&jobs[index])).is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn episode(job: &EpisodeJob) -> Episode {
+    const STEPS: usize = 3;
+    let number = |at: usize| (job.seed % 1000) as f64 / 1000.0 + at as f64 * job.behaviour.epsilon;
+    let floats = |count: usize| (0..count).map(number).collect::<Vec<f64>>();
+    let narrow = |count: usize| {
+        floats(count)
+            .into_iter()
+            .map(|value| value as f32)
+            .collect()
+    };
+    let rows = STEPS + 1;
+    Episode {
+        shape: BridgeShape {
+            observation: 39,
+            action: 4,
+            qpos: 2,
+            qvel: 3,
+            mocap: 1,
+            goal: 6,
+            horizon: EPISODE_STEPS,
+        },
+        observations: narrow(rows * 39),
+        actions: narrow(STEPS * 4),
+        rewards: floats(STEPS),
+        success: vec![false, false, job.behaviour.epsilon == 0.0],
+        terminations: vec![false; STEPS],
+        truncations: vec![false, false, true],
+        qpos: floats(rows * 2),
+        qvel: floats(rows * 3),
+        mocap_pos: floats(rows * 3),
+        mocap_quat: floats(rows * 4),
+        goal: floats(6),
+    }
+}
+
+fn config(root: &Path) -> CollectConfig {
+    CollectConfig {
+        task: "drawer-open-v3".into(),
+        recipe: Recipe::Paper,
+        episodes: Some(30),
+        seed: 7,
+        workers: 2,
+        root: root.to_path_buf(),
+    }
+}
+
+fn collect(root: &Path, source: &mut Arithmetic) -> Result<CollectReport, CollectError> {
+    run_on(&config(root), source, Audience::Nobody)
+}
+
+/// Every file of the dataset with its bytes.
+fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                files.insert(
+                    path.strip_prefix(folder).unwrap().to_path_buf(),
+                    fs::read(&path).unwrap(),
+                );
+            }
+        }
+    }
+    files
+}
+
+#[test]
+fn a_collection_is_a_dataset_that_says_how_it_came_about() {
+    let root = tempfile::tempdir().unwrap();
+    let report = collect(root.path(), &mut Arithmetic::new()).unwrap();
+    assert_eq!(report.dataset, "ted/drawer-open-v3-paper-n30-s7-v0");
+    assert_eq!(report.collected, 30);
+    let dataset = Dataset::open(&report.folder).unwrap();
+    assert_eq!(
+        (dataset.id(), dataset.task()),
+        (report.dataset.as_str(), Some("drawer-open-v3"))
+    );
+    assert_eq!((dataset.episodes().len(), dataset.step_count()), (30, 90));
+    let engine = &dataset.origin().unwrap().engine;
+    assert_eq!(engine.keys().collect::<Vec<_>>(), ["machine", "metaworld"]);
+    assert_eq!(
+        dataset.episodes()[4].seed,
+        Some(config(root.path()).episode_seed(4))
+    );
+    assert!((report.mix.mean_return - dataset.mean_return_true()).abs() < 1e-12);
+    assert_eq!(report.mix.max_return, dataset.max_return_true());
+    let parts: Vec<_> = report
+        .parts
+        .iter()
+        .map(|part| (part.part.as_str(), part.episodes, part.success_rate))
+        .collect();
+    assert_eq!(parts, [("noisy", 2, 1.0), ("epsilon", 28, 0.0)]);
+}
+
+#[test]
+fn the_order_of_the_workers_does_not_show_in_the_bytes() {
+    let [one, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let forwards = collect(one.path(), &mut Arithmetic::new()).unwrap();
+    let mut source = Arithmetic {
+        backwards: true,
+        ..Arithmetic::new()
+    };
+    let backwards = collect(other.path(), &mut source).unwrap();
+    assert_eq!(tree(&forwards.folder), tree(&backwards.folder));
+    assert_eq!(forwards.mix, backwards.mix);
+}
+
+#[test]
+fn an_interrupted_collection_goes_on_and_plays_nothing_twice() {
+    let [one, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let whole = collect(one.path(), &mut Arithmetic::new()).unwrap();
+    let mut first = Arithmetic {
+        stop_after: 11,
+        backwards: true,
+        ..Arithmetic::new()
+    };
+    let error = collect(other.path(), &mut first).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            CollectError::Interrupted {
+                done: 11,
+                total: 30
+            }
+        ),
+        "{error}"
+    );
+    let mut second = Arithmetic::new();
+    let resumed = collect(other.path(), &mut second).unwrap();
+    assert_eq!((resumed.collected, second.played.len()), (19, 19));
+    assert!(
+        second
+            .played
+            .iter()
+            .all(|seed| !first.played.contains(seed))
+    );
+    assert_eq!(tree(&whole.folder), tree(&resumed.folder));
+    assert_eq!(whole.parts, resumed.parts);
+}
+
+#[test]
+fn a_finished_collection_needs_no_simulator_until_it_is_damaged() {
+    let root = tempfile::tempdir().unwrap();
+    assert_eq!(finished(&config(root.path())).unwrap(), None);
+    let report = collect(root.path(), &mut Arithmetic::new()).unwrap();
+    let whole = tree(&report.folder);
+    // Another engine would be refused for a collection in progress; what is finished is just reported.
+    let mut newer = Arithmetic {
+        versions: "metaworld=9",
+        ..Arithmetic::new()
+    };
+    let again = collect(root.path(), &mut newer).unwrap();
+    assert_eq!((again.collected, newer.played.len()), (0, 0));
+    assert_eq!((again.parts, again.mix), (report.parts, report.mix));
+
+    fs::write(report.folder.join("data/12/part-0.arrow"), b"ARROW1").unwrap();
+    fs::remove_dir_all(report.folder.join("data/3")).unwrap();
+    let error = collect(root.path(), &mut newer).unwrap_err();
+    assert!(
+        error.to_string().contains("was begun differently"),
+        "{error}"
+    );
+    let mut source = Arithmetic::new();
+    assert_eq!(collect(root.path(), &mut source).unwrap().collected, 2);
+    assert_eq!(tree(&report.folder), whole);
+}
+
+#[test]
+fn an_episode_that_cannot_be_written_stops_the_collection_with_the_reason() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = config(root.path()).folder().unwrap();
+    fs::create_dir_all(folder.join("data")).unwrap();
+    // A file where the episode's folder has to go.
+    fs::write(folder.join("data/5"), b"in the way").unwrap();
+    let mut source = Arithmetic::new();
+    let error = collect(root.path(), &mut source).unwrap_err();
+    assert!(matches!(error, CollectError::Write(_)), "{error}");
+    assert!(error.to_string().contains("data/5"), "{error}");
+    assert_eq!(source.played.len(), 6);
+}
+
+#[test]
+fn what_cannot_be_collected_is_refused_before_anything_is_written() {
+    let root = tempfile::tempdir().unwrap();
+    let refuse = |config: &CollectConfig| {
+        run_on(config, &mut Arithmetic::new(), Audience::Nobody).unwrap_err()
+    };
+    let unknown = CollectConfig {
+        task: "drawer-opn-v3".into(),
+        ..config(root.path())
+    };
+    assert!(refuse(&unknown).to_string().contains("drawer-open-v3"));
+    let nothing = CollectConfig {
+        episodes: Some(0),
+        ..config(root.path())
+    };
+    assert!(matches!(refuse(&nothing), CollectError::NoEpisodes));
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+}
