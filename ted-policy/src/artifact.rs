@@ -1,7 +1,7 @@
 //! A validated artefact: its existence proves that everything in it can be used.
 
 use ted_core::integer::IntegerPolicy;
-use ted_core::{Part, Policy, RewardEnsemble, Scratch, ShapeError, TedDiscount};
+use ted_core::{Policy, RewardEnsemble, Scratch, TedDiscount};
 
 use crate::arrays::Arrays;
 use crate::contract::Contract;
@@ -66,6 +66,15 @@ impl<'a> Artifact<'a> {
             });
         }
         let (observation_dim, action_dim) = (contract.observation.len(), contract.action.len());
+        networks::fits(&policy, Place::Policy, observation_dim, action_dim)?;
+        if let Some(integer) = &integer_policy {
+            networks::fits(
+                &integer.network,
+                Place::IntegerPolicy,
+                observation_dim,
+                action_dim,
+            )?;
+        }
         let mut arrays = Arrays::new(envelope)?;
 
         let normaliser = networks::normaliser(&mut arrays, observation_dim, Place::Normaliser)?;
@@ -74,7 +83,6 @@ impl<'a> Artifact<'a> {
             place: Place::Policy,
             error,
         })?;
-        same_width(Place::Policy, Part::Action, action_dim, policy.action_dim())?;
 
         let reward = match &reward {
             Some(reward) => Some(networks::reward(
@@ -90,21 +98,6 @@ impl<'a> Artifact<'a> {
             Some(integer) => Some(networks::integer_policy(&mut arrays, integer)?),
             None => None,
         };
-        if let Some(integer) = &integer_policy {
-            same_width(
-                Place::IntegerPolicy,
-                Part::Observation,
-                observation_dim,
-                integer.mlp().inputs(),
-            )?;
-            same_width(
-                Place::IntegerPolicy,
-                Part::Action,
-                action_dim,
-                integer.mlp().outputs(),
-            )?;
-        }
-
         let cases = usize::from(golden_cases);
         if cases == 0 {
             return Err(ArtifactError::NoGolden);
@@ -188,23 +181,4 @@ impl<'a> Artifact<'a> {
         self.golden
             .verify(&self.policy, self.reward.as_ref(), scratch)
     }
-}
-
-fn same_width(
-    place: Place,
-    part: Part,
-    expected: usize,
-    actual: usize,
-) -> Result<(), ArtifactError> {
-    if expected == actual {
-        return Ok(());
-    }
-    Err(ArtifactError::Shape {
-        place,
-        error: ShapeError::Mismatch {
-            part,
-            expected,
-            actual,
-        },
-    })
 }

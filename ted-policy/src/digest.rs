@@ -56,3 +56,42 @@ impl FromStr for Digest {
         Ok(Self(digest))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn a_digest_is_written_and_read_as_hexadecimal() {
+        let mut digest = Digest::default();
+        digest.0[0] = 0xab;
+        digest.0[31] = 0x0f;
+        let text = digest.to_string();
+        assert!(text.starts_with("ab00") && text.ends_with("000f") && text.len() == 64);
+        assert_eq!(text.parse(), Ok(digest));
+        assert_eq!(text.to_uppercase().parse(), Ok(digest));
+    }
+
+    #[test]
+    fn a_text_that_is_no_digest_is_refused() {
+        let good = Digest::default().to_string();
+        let bad = [
+            &good[1..],
+            &good.replace('0', "g"),
+            "",
+            &good.replacen("00", "+0", 1),
+            &"ä".repeat(32),
+        ];
+        for text in bad {
+            assert_eq!(
+                text.parse::<Digest>(),
+                Err(DigestError {
+                    expected: 64,
+                    actual: text.len()
+                })
+            );
+        }
+    }
+}

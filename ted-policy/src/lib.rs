@@ -1,5 +1,5 @@
 //! The policy artefact: everything a controller needs to fly a trained policy, in one checked file.
-#![doc = include_str!("../README.md")]
+#![cfg_attr(feature = "std", doc = include_str!("../README.md"))]
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -11,6 +11,31 @@ use crate::arrays::Arrays;
 use crate::error::{ArtifactError, Place};
 use crate::wire::{Integer, Network, Reward, Ted};
 
+/// Passes when a network reads the contract's observation and writes its action.
+///
+/// Checked before the blob is cut, so that a wrong shape is called that and not a wrong number.
+pub(crate) fn fits(
+    network: &Network,
+    place: Place,
+    observation: usize,
+    action: usize,
+) -> Result<(), ArtifactError> {
+    for (part, expected, actual) in [
+        (Part::Observation, observation, network.inputs()),
+        (Part::Action, action, network.outputs()),
+    ] {
+        if expected != actual {
+            let error = ShapeError::Mismatch {
+                part,
+                expected,
+                actual,
+            };
+            return Err(ArtifactError::Shape { place, error });
+        }
+    }
+    Ok(())
+}
+
 /// A normaliser of so many channels: finite shifts, then finite and positive scales.
 pub(crate) fn normaliser<'a>(
     arrays: &mut Arrays<'a>,
@@ -71,6 +96,19 @@ pub(crate) fn reward<'a>(
         RewardInput::Observation => observation,
         RewardInput::ObservationAction => observation + action,
     };
+    for (index, network) in reward.members.iter().enumerate() {
+        if network.inputs() != seen {
+            let error = ShapeError::Mismatch {
+                part: Part::Inputs,
+                expected: seen,
+                actual: network.inputs(),
+            };
+            return Err(ArtifactError::Shape {
+                place: Place::RewardMember(index as u8),
+                error,
+            });
+        }
+    }
     let normaliser = normaliser(arrays, seen, Place::RewardNormaliser)?;
     let mut members = Vec::<Mlp<'a>, MAX_MEMBERS>::new();
     for (index, network) in reward.members.iter().enumerate() {

@@ -110,6 +110,16 @@ impl Network {
         widths().zip(widths().skip(1))
     }
 
+    /// Number of inputs, 0 if it has no width at all.
+    pub(crate) fn inputs(&self) -> usize {
+        self.widths.first().copied().map_or(0, usize::from)
+    }
+
+    /// Number of outputs, 0 if it has no width at all.
+    pub(crate) fn outputs(&self) -> usize {
+        self.widths.last().copied().map_or(0, usize::from)
+    }
+
     /// The shape of a network. Widths are at most [`ted_core::MAX_WIDTH`], so they fit.
     #[cfg(feature = "std")]
     pub(crate) fn of(mlp: &Mlp<'_>) -> Self {
