@@ -7,6 +7,8 @@
 
 #[cfg(feature = "std")]
 pub mod bridge;
+#[cfg(feature = "std")]
+pub mod cli;
 pub mod controller;
 #[cfg(feature = "std")]
 pub mod exit;

@@ -1,3 +1,7 @@
 //! The `firmware-sim` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    firmware_sim::cli::run().into()
+}

@@ -22,7 +22,8 @@ pub trait Plant {
     /// A plant that runs in lockstep counts control periods, so that a slow host changes nothing.
     fn now_us(&self) -> u64;
 
-    /// The observation of the present state. Observing twice without acting gives the same answer.
+    /// The observation of the present state. Observing twice without acting gives the same answer, and the last state of
+    /// an episode can be seen until the next reset.
     ///
     /// # Errors
     /// When no episode was started or the plant cannot be reached.
@@ -70,7 +71,7 @@ pub enum PlantError {
         /// Values it was given.
         actual: usize,
     },
-    /// `observe` or `apply` came before the first `reset`, or after the end of the episode.
+    /// `observe` or `apply` came before the first `reset`, or `apply` after the end of the episode.
     #[error("use the plant outside an episode: reset it first")]
     NoEpisode,
     /// A recording has no episode of this seed.

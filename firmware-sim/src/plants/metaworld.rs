@@ -13,7 +13,9 @@ pub struct MetaWorldPlant {
     shape: Shape,
     /// The latest step of the running episode; its buffers are used again.
     latest: Step,
+    /// Steps since the last reset, if there was one.
     steps: Option<u32>,
+    running: bool,
 }
 
 impl MetaWorldPlant {
@@ -29,6 +31,7 @@ impl MetaWorldPlant {
             shape,
             latest: Step::default(),
             steps: None,
+            running: false,
         })
     }
 
@@ -41,10 +44,10 @@ impl MetaWorldPlant {
 
 impl Plant for MetaWorldPlant {
     fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
-        self.steps = None;
+        (self.steps, self.running) = (None, false);
         let (observation, _goal) = self.worker.reset(seed).map_err(PlantError::link)?;
         self.latest.observation = observation;
-        self.steps = Some(0);
+        (self.steps, self.running) = (Some(0), true);
         Ok(())
     }
 
@@ -62,7 +65,8 @@ impl Plant for MetaWorldPlant {
     }
 
     fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
-        let steps = self.steps.ok_or(PlantError::NoEpisode)?;
+        let steps = self.steps.filter(|_| self.running);
+        let steps = steps.ok_or(PlantError::NoEpisode)?;
         if action_env.len() != self.shape.action {
             return Err(PlantError::ActionLength {
                 expected: self.shape.action,
@@ -72,11 +76,11 @@ impl Plant for MetaWorldPlant {
         self.worker
             .step_into(action_env, &mut self.latest)
             .map_err(|error| {
-                self.steps = None;
+                (self.steps, self.running) = (None, false);
                 PlantError::link(error)
             })?;
         let done = self.latest.terminated || self.latest.truncated;
-        self.steps = (!done).then_some(steps + 1);
+        (self.steps, self.running) = (Some(steps + 1), !done);
         Ok(StepOutcome {
             reward_true: self.latest.reward,
             success: self.latest.success,

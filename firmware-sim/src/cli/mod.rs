@@ -1,0 +1,34 @@
+//! The `firmware-sim` command line: flying an artefact and saying how it went.
+
+mod failure;
+mod fly;
+mod report;
+mod toy;
+
+use clap::{Parser, Subcommand};
+
+use crate::exit::ExitCode;
+
+/// Fly policies behind the controller that also runs on the device.
+#[derive(Debug, Parser)]
+#[command(name = "firmware-sim", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Fly(fly::FlyArgs),
+    Toy(toy::ToyArgs),
+}
+
+/// Runs the command of this process's arguments.
+#[must_use]
+pub fn run() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Fly(args) => fly::run(&args),
+        Command::Toy(args) => toy::run(&args),
+    };
+    done.unwrap_or_else(|failure| failure.tell())
+}

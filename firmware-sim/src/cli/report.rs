@@ -1,0 +1,193 @@
+//! What a flight says of itself: a table for people, one JSON object for machines.
+
+use std::fmt::{self, Display};
+
+use serde::Serialize;
+
+use crate::plants::replay::Difference;
+use crate::rollout::{EpisodeReport, Flight, Summary, normalised_score};
+
+/// Everything `fly` reports.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// The artefact's path as given.
+    pub policy: String,
+    /// The task flown.
+    pub task: String,
+    /// The kind of plant.
+    pub plant: String,
+    /// The faults that were injected.
+    pub injected: Vec<String>,
+    /// The root seed.
+    pub seed: u64,
+    /// The mean return.
+    pub return_mean: f64,
+    /// The returns' sample standard deviation.
+    pub return_sd: f64,
+    /// The best return in the dataset the policy was trained on.
+    pub dataset_max_return: f64,
+    /// The mean return as a share of that.
+    pub score: Option<f64>,
+    /// The share of solved episodes.
+    pub success_rate: f64,
+    /// Episodes that latched a fault.
+    pub faulted: usize,
+    /// Median tick time.
+    pub tick_p50_us: f64,
+    /// The tick time that 99 of 100 ticks kept.
+    pub tick_p99_us: f64,
+    /// The longest tick.
+    pub tick_max_us: f64,
+    /// Where the replayed actions were farthest from the recorded ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_difference: Option<Difference>,
+    /// One line per episode.
+    pub episodes: Vec<EpisodeLine>,
+}
+
+/// One episode of a [`Report`].
+#[derive(Debug, Serialize)]
+pub struct EpisodeLine {
+    seed: u64,
+    #[serde(rename = "return")]
+    return_true: f64,
+    success: bool,
+    ticks: u32,
+    clamped_ticks: u32,
+    slew_limited_ticks: u32,
+    deadlines_missed: u32,
+    fault: Option<FaultLine>,
+}
+
+#[derive(Debug, Serialize)]
+struct FaultLine {
+    tick: u32,
+    code: u8,
+    reason: String,
+}
+
+impl Report {
+    /// Sums up a flight. The names of what was flown are the caller's to fill in.
+    pub fn of(flight: &Flight, dataset_max_return: f64) -> Self {
+        let summary = Summary::of(&flight.episodes);
+        let mut tick_us = flight
+            .tick_times
+            .percentiles_us(&[0.5, 0.99, 1.0])
+            .into_iter();
+        let mut next_us = || tick_us.next().unwrap_or(0.0);
+        Self {
+            policy: String::new(),
+            task: String::new(),
+            plant: String::new(),
+            injected: Vec::new(),
+            seed: 0,
+            return_mean: summary.return_mean,
+            return_sd: summary.return_sd,
+            dataset_max_return,
+            score: normalised_score(summary.return_mean, dataset_max_return),
+            success_rate: summary.success_rate,
+            faulted: summary.faulted,
+            tick_p50_us: next_us(),
+            tick_p99_us: next_us(),
+            tick_max_us: next_us(),
+            largest_difference: None,
+            episodes: flight.episodes.iter().map(EpisodeLine::of).collect(),
+        }
+    }
+
+    /// The report as one JSON object.
+    pub fn json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+}
+
+impl EpisodeLine {
+    fn of(report: &EpisodeReport) -> Self {
+        let fault = report.fault.map(|latched| FaultLine {
+            tick: latched.tick,
+            code: latched.fault.code(),
+            reason: latched.fault.to_string(),
+        });
+        Self {
+            seed: report.seed,
+            return_true: report.return_true,
+            success: report.success,
+            ticks: report.ticks,
+            clamped_ticks: report.clamped_ticks,
+            slew_limited_ticks: report.slew_limited_ticks,
+            deadlines_missed: report.deadlines_missed,
+            fault,
+        }
+    }
+}
+
+impl Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let flown = self.episodes.len();
+        writeln!(f, "policy      {}", self.policy)?;
+        writeln!(
+            f,
+            "flown       {flown} episodes of {} on {}, root seed {}",
+            self.task, self.plant, self.seed
+        )?;
+        if !self.injected.is_empty() {
+            writeln!(f, "injected    {}", self.injected.join(", "))?;
+        }
+        writeln!(
+            f,
+            "return      {:.2} +- {:.2}",
+            self.return_mean, self.return_sd
+        )?;
+        match self.score {
+            Some(score) => writeln!(
+                f,
+                "score       {score:.3} of the dataset's best, {:.2}",
+                self.dataset_max_return
+            )?,
+            None => writeln!(
+                f,
+                "score       none: the dataset's best return is {:.2}",
+                self.dataset_max_return
+            )?,
+        }
+        writeln!(f, "success     {:.1} %", 100.0 * self.success_rate)?;
+        writeln!(
+            f,
+            "tick time   p50 {:.1} us, p99 {:.1} us, max {:.1} us",
+            self.tick_p50_us, self.tick_p99_us, self.tick_max_us
+        )?;
+        let total = |count: fn(&EpisodeLine) -> u32| {
+            self.episodes
+                .iter()
+                .map(|line| u64::from(count(line)))
+                .sum::<u64>()
+        };
+        writeln!(
+            f,
+            "ticks       {}: {} clamped, {} slew-limited, {} late",
+            total(|line| line.ticks),
+            total(|line| line.clamped_ticks),
+            total(|line| line.slew_limited_ticks),
+            total(|line| line.deadlines_missed)
+        )?;
+        if let Some(worst) = self.largest_difference {
+            writeln!(
+                f,
+                "difference  at most {:e} from the recorded actions (seed {}, step {}, action {})",
+                worst.absolute, worst.seed, worst.step, worst.dimension
+            )?;
+        }
+        write!(f, "faults      {} of {flown} episodes", self.faulted)?;
+        for (index, line) in self.episodes.iter().enumerate() {
+            if let Some(fault) = &line.fault {
+                write!(
+                    f,
+                    "\n  episode {index} (seed {}), tick {}: ",
+                    line.seed, fault.tick
+                )?;
+                write!(f, "code {}, {}", fault.code, fault.reason)?;
+            }
+        }
+        Ok(())
+    }
+}
