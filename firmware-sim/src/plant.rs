@@ -7,6 +7,9 @@ use std::error::Error;
 
 use thiserror::Error;
 
+use crate::bridge::BridgeError;
+use crate::exit::ExitCode;
+
 /// A robot, a simulation of one, or a recording.
 ///
 /// The cycle is `reset`, then `observe` and `apply` in turn until `apply` says `done`.
@@ -91,6 +94,18 @@ impl PlantError {
     /// Wraps the error of whatever connects to the plant.
     pub fn link(source: impl Error + Send + Sync + 'static) -> Self {
         Self::Link(Box::new(source))
+    }
+
+    /// How a command ends that fails with this error.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Link(source) => source
+                .downcast_ref::<BridgeError>()
+                .map_or(ExitCode::Environment, BridgeError::exit_code),
+            Self::ActionLength { .. } | Self::NoRecording { .. } => ExitCode::BadInput,
+            Self::NoEpisode => ExitCode::Failure,
+        }
     }
 }
 

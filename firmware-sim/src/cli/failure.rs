@@ -2,7 +2,6 @@
 
 use std::fmt::Display;
 
-use crate::bridge::BridgeError;
 use crate::exit::ExitCode;
 use crate::plant::PlantError;
 use crate::rollout::FlyError;
@@ -32,27 +31,12 @@ impl Failure {
 
 impl From<FlyError> for Failure {
     fn from(error: FlyError) -> Self {
-        let code = match &error {
-            FlyError::Load(_) => ExitCode::BadInput,
-            FlyError::NoPlant(source) | FlyError::Episode { source, .. } => plant_code(source),
-            FlyError::Interrupted { .. } => ExitCode::Interrupted,
-        };
-        Self::new(code, error)
+        Self::new(error.exit_code(), error)
     }
 }
 
 impl From<PlantError> for Failure {
     fn from(error: PlantError) -> Self {
-        Self::new(plant_code(&error), error)
-    }
-}
-
-fn plant_code(error: &PlantError) -> ExitCode {
-    match error {
-        PlantError::Link(source) => source
-            .downcast_ref::<BridgeError>()
-            .map_or(ExitCode::Environment, BridgeError::exit_code),
-        PlantError::ActionLength { .. } | PlantError::NoRecording { .. } => ExitCode::BadInput,
-        PlantError::NoEpisode => ExitCode::Failure,
+        Self::new(error.exit_code(), error)
     }
 }

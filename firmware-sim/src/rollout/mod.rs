@@ -20,6 +20,7 @@ use ted_policy::Artifact;
 use thiserror::Error;
 
 use crate::controller::{Controller, LoadFault};
+use crate::exit::ExitCode;
 use crate::plant::{Plant, PlantError};
 use crate::splitmix::mix;
 
@@ -72,6 +73,18 @@ pub enum FlyError {
         /// Episodes flown by then.
         flown: usize,
     },
+}
+
+impl FlyError {
+    /// How a command ends that fails with this error.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Load(_) => ExitCode::BadInput,
+            Self::NoPlant(source) | Self::Episode { source, .. } => source.exit_code(),
+            Self::Interrupted { .. } => ExitCode::Interrupted,
+        }
+    }
 }
 
 /// Flies one episode per seed, on `workers` plants side by side.

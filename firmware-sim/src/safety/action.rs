@@ -35,6 +35,9 @@ struct Limit {
     safe: SafeAction,
 }
 
+/// The action channel that keeps its last command while a fault is latched; all others are sent zero.
+pub const HELD_CHANNEL: &str = "gripper";
+
 /// What a channel is sent while a fault is latched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SafeAction {
@@ -46,7 +49,7 @@ enum SafeAction {
 
 impl SafeAction {
     fn of(channel: &ActionChannel<'_>) -> Self {
-        if channel.name == "gripper" {
+        if channel.name == HELD_CHANNEL {
             Self::HoldLast
         } else {
             Self::Zero
