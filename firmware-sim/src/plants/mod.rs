@@ -1,4 +1,4 @@
-//! Plants that need nothing but this crate: a toy, a recording, and wrappers that record or lie.
+//! What can be flown: Meta-World, a toy that needs no Python, a recording, and wrappers that record or lie.
 
 pub mod fault;
 pub mod metaworld;
