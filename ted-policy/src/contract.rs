@@ -1,10 +1,10 @@
 //! The contract between a policy and whatever it is connected to: channels, units, ranges, timing.
 
+use core::fmt;
+
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 use ted_core::{MAX_ACTION, MAX_OBSERVATION};
-
-use crate::error::ContractFault;
 
 /// One channel of the raw observation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -133,3 +133,64 @@ impl<'a> Contract<'a> {
         }
     }
 }
+
+/// What is wrong with a contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ContractFault {
+    /// The task has no name.
+    Task,
+    /// There is no observation channel, or more than there is room for.
+    ObservationChannels {
+        /// The most there can be.
+        limit: usize,
+        /// How many there are.
+        actual: usize,
+    },
+    /// There is no action channel, or more than there is room for.
+    ActionChannels {
+        /// The most there can be.
+        limit: usize,
+        /// How many there are.
+        actual: usize,
+    },
+    /// An observation channel has no name, or a range that is not finite and ordered.
+    Observation {
+        /// Which channel.
+        channel: usize,
+    },
+    /// An action channel has no name, a range that is not finite and ordered, or no positive slew limit.
+    Action {
+        /// Which channel.
+        channel: usize,
+    },
+    /// The control period is zero.
+    ControlPeriod,
+}
+
+impl fmt::Display for ContractFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Task => f.write_str("the task has no name"),
+            Self::ObservationChannels { limit, actual } => {
+                write!(f, "{actual} observation channels, not 1 to {limit}")
+            }
+            Self::ActionChannels { limit, actual } => {
+                write!(f, "{actual} action channels, not 1 to {limit}")
+            }
+            Self::Observation { channel } => {
+                write!(
+                    f,
+                    "observation channel {channel} needs a name and a finite range with low <= high"
+                )
+            }
+            Self::Action { channel } => write!(
+                f,
+                "action channel {channel} needs a name, a finite range with low < high and a positive slew limit"
+            ),
+            Self::ControlPeriod => f.write_str("the control period is zero"),
+        }
+    }
+}
+
+impl core::error::Error for ContractFault {}

@@ -28,10 +28,10 @@ mod load;
 mod write;
 
 pub use artifact::Artifact;
-pub use contract::{ActionChannel, Contract, ObservationChannel};
+pub use contract::{ActionChannel, Contract, ContractFault, ObservationChannel};
 pub use digest::{Digest, DigestError};
 pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
-pub use error::{ArtifactError, ContractFault, Place};
+pub use error::{ArtifactError, Place};
 pub use golden::{Golden, GoldenCase};
 pub use provenance::Provenance;
 

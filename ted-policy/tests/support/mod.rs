@@ -87,7 +87,7 @@ pub fn minimal() -> ArtifactSpec<'static> {
     let layer = Dense::new(1, 1, &TWO, &HALF).unwrap();
     ArtifactSpec {
         contract: Contract::new(
-            "reach",
+            "reach-v3",
             &[ObservationChannel {
                 name: "x",
                 unit: "m",
