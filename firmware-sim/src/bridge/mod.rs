@@ -13,6 +13,7 @@ mod last_words;
 mod link;
 pub mod message;
 mod pool;
+pub mod speed;
 mod worker;
 
 pub use environment::Environment;

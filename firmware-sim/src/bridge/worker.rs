@@ -334,20 +334,25 @@ impl Drop for Worker {
 
 fn command(environment: &Environment) -> Command {
     let mut command = Command::new(environment.python());
-    command
+    settings(&mut command)
         // Neither PYTHONPATH nor the user's own packages may change what is imported.
         .arg("-Es")
         .arg(environment.worker())
         .current_dir(environment.scratch())
-        // One process per core is the parallelism; threads inside would only disturb it, and with it the bits.
-        .envs(
-            ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1")),
-        )
-        .env("MUJOCO_GL", "disable")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         // Out of the terminal's foreground group: Ctrl-C is the parent's business alone.
         .process_group(0);
     command
+}
+
+/// What every process that simulates has in its environment.
+pub(super) fn settings(command: &mut Command) -> &mut Command {
+    // One process per core is the parallelism; threads inside would only disturb it, and with it the bits.
+    command
+        .envs(
+            ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1")),
+        )
+        .env("MUJOCO_GL", "disable")
 }

@@ -23,7 +23,7 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 10] = carried!(
+const FILES: [(&str, &str); 11] = carried!(
     "collect.py",
     "install.py",
     "messages.py",
@@ -31,6 +31,7 @@ const FILES: [(&str, &str); 10] = carried!(
     "requirements.lock",
     "session.py",
     "snapshot.py",
+    "speed.py",
     "task.py",
     "wire.py",
     "worker.py",
@@ -119,7 +120,7 @@ mod tests {
         let venv = tempfile::tempdir()?;
         let first = write(venv.path())?;
         assert_eq!(write(venv.path())?, first);
-        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[9].1);
+        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[10].1);
         assert_eq!(fs::read_dir(venv.path())?.count(), 1);
         Ok(())
     }

@@ -1,0 +1,190 @@
+//! The simulator itself. The first of these tests to run installs it, if no command has before.
+
+use std::ops::ControlFlow;
+use std::sync::LazyLock;
+
+use firmware_sim::bridge::{
+    Behaviour, BridgeError, Environment, EpisodeJob, Pool, Worker, environment,
+};
+use firmware_sim::plant::{Plant, PlantError};
+use firmware_sim::plants::metaworld::MetaWorldPlant;
+use firmware_sim::progress::Audience;
+
+use crate::python::passes;
+
+static ENVIRONMENT: LazyLock<Environment> =
+    LazyLock::new(|| match environment::ensure(Audience::Log) {
+        Ok(environment) => environment,
+        Err(error) => panic!("failed to {error}"),
+    });
+
+fn job(task: &str, seed: u64, steps: u32) -> EpisodeJob {
+    EpisodeJob {
+        task: task.to_owned(),
+        behaviour: Behaviour::PAPER_EPSILON,
+        seed,
+        steps,
+    }
+}
+
+fn worker() -> Worker {
+    Worker::spawn(&ENVIRONMENT).expect("the simulator starts")
+}
+
+#[test]
+fn tasks_equal_the_package_s_own_whatever_was_played_before() {
+    passes(ENVIRONMENT.python(), "test_task.py");
+}
+
+#[test]
+fn an_episode_has_the_same_bits_on_a_fresh_worker_and_on_a_used_one() {
+    let job = job("sweep-into-v3", 3, 60);
+    let fresh = worker().collect(&job).expect("an episode");
+    let mut used = worker();
+    used.collect(&self::job("drawer-open-v3", 3, 60))
+        .expect("another task");
+    used.collect(&self::job("sweep-into-v3", 4, 30))
+        .expect("another episode");
+    used.reset(9)
+        .expect("an episode that is not played to its end");
+    assert_eq!(used.collect(&job).expect("the same episode"), fresh);
+}
+
+#[test]
+fn a_shorter_episode_is_the_beginning_of_a_longer_one() {
+    let mut worker = worker();
+    let long = worker.collect(&job("reach-v3", 1, 40)).expect("an episode");
+    let short = worker.collect(&job("reach-v3", 1, 15)).expect("an episode");
+    assert_eq!(
+        long.observations[..short.observations.len()],
+        short.observations
+    );
+    assert_eq!(long.actions[..short.actions.len()], short.actions);
+    assert_eq!(long.qpos[..short.qpos.len()], short.qpos);
+    assert_eq!(
+        short.truncations.iter().position(|truncated| *truncated),
+        Some(14)
+    );
+}
+
+#[test]
+fn the_recorded_actions_replayed_step_by_step_give_the_recorded_episode() {
+    let mut worker = worker();
+    let episode = worker
+        .collect(&job("drawer-open-v3", 11, 50))
+        .expect("an episode");
+    let (first, goal) = worker.reset(11).expect("the same start");
+    assert_eq!(goal, episode.goal);
+    let mut observations = first;
+    for (step, action) in episode.actions.chunks(4).enumerate() {
+        let outcome = worker.step(action).expect("a step");
+        assert_eq!(outcome.reward, episode.rewards[step]);
+        assert_eq!(outcome.success, episode.success[step]);
+        observations.extend(outcome.observation);
+    }
+    assert_eq!(observations, episode.observations);
+}
+
+#[test]
+fn an_episode_has_every_array_in_its_shape() {
+    let episode = worker()
+        .collect(&job("hammer-v3", 2, 10))
+        .expect("an episode");
+    let (shape, steps, rows) = (episode.shape, 10, 11);
+    assert_eq!(
+        (shape.observation, shape.action, shape.horizon),
+        (39, 4, 500)
+    );
+    assert_eq!(episode.observations.len(), rows * shape.observation);
+    assert_eq!(episode.actions.len(), steps * shape.action);
+    assert_eq!(episode.qpos.len(), rows * shape.qpos);
+    assert_eq!(episode.qvel.len(), rows * shape.qvel);
+    assert_eq!(episode.mocap_pos.len(), rows * shape.mocap * 3);
+    assert_eq!(episode.goal.len(), shape.goal);
+    assert!(episode.actions.iter().all(|action| action.abs() <= 1.0));
+    assert!(episode.terminations.iter().all(|terminated| !terminated));
+}
+
+#[test]
+fn seeds_and_behaviours_matter() {
+    let mut worker = worker();
+    let one = worker.collect(&job("push-v3", 1, 10)).expect("an episode");
+    let other = worker.collect(&job("push-v3", 2, 10)).expect("an episode");
+    assert_ne!(one.goal, other.goal);
+    let expert = EpisodeJob {
+        behaviour: Behaviour::EXPERT,
+        ..job("push-v3", 1, 10)
+    };
+    let expert = worker.collect(&expert).expect("an episode");
+    assert_eq!(one.goal, expert.goal);
+    assert_ne!(one.actions, expert.actions);
+}
+
+#[test]
+fn an_unknown_task_and_too_many_steps_are_refused() {
+    let mut worker = worker();
+    assert!(matches!(
+        worker.open("drawer-open-v2"),
+        Err(BridgeError::Refused { .. })
+    ));
+    assert!(matches!(
+        worker.collect(&job("reach-v3", 1, 501)),
+        Err(BridgeError::Refused { .. })
+    ));
+    assert!(matches!(
+        worker.collect(&job("reach-v3", 1, 0)),
+        Err(BridgeError::Refused { .. })
+    ));
+    assert!(
+        matches!(worker.step(&[0.0; 4]), Err(BridgeError::Refused { .. })),
+        "no episode is running"
+    );
+}
+
+#[test]
+fn two_workers_play_what_one_plays() {
+    let jobs: Vec<_> = (0..5).map(|seed| job("window-open-v3", seed, 20)).collect();
+    let play = |workers| {
+        let mut episodes = vec![None; jobs.len()];
+        let result = Pool::new(&ENVIRONMENT, workers).run(&jobs, |index, episode| {
+            episodes[index] = Some(episode);
+            ControlFlow::Continue(())
+        });
+        result.map(|()| episodes).expect("all are played")
+    };
+    assert_eq!(play(1), play(2));
+}
+
+#[test]
+fn the_plant_flies_the_episode_of_its_seed() {
+    let mut plant = MetaWorldPlant::new(&ENVIRONMENT, "reach-v3").expect("a plant");
+    assert!(matches!(plant.observe(), Err(PlantError::NoEpisode)));
+    plant.reset(5).expect("an episode");
+    let first = plant.observe().expect("an observation");
+    assert_eq!(
+        (first.sequence, first.stamp_us, first.values.len()),
+        (0, 0, 39)
+    );
+    assert!(matches!(
+        plant.apply(&[0.0; 3]),
+        Err(PlantError::ActionLength {
+            expected: 4,
+            actual: 3
+        })
+    ));
+    plant.apply(&[0.5; 4]).expect("a step");
+    assert_eq!(
+        (
+            plant.observe().expect("an observation").sequence,
+            plant.now_us()
+        ),
+        (1, 12_500)
+    );
+    plant.reset(5).expect("the episode again");
+    assert_eq!(plant.observe().expect("an observation"), first);
+    let outcomes: Vec<_> = (0..500)
+        .map(|_| plant.apply(&[0.0; 4]).expect("a step").done)
+        .collect();
+    assert_eq!(outcomes.iter().position(|done| *done), Some(499));
+    assert!(matches!(plant.apply(&[0.0; 4]), Err(PlantError::NoEpisode)));
+}
