@@ -2,6 +2,7 @@
 
 use super::Query;
 use crate::dataset::SegmentError;
+use firmware_sim::exit::ExitCode;
 use std::io;
 use std::path::PathBuf;
 
@@ -112,6 +113,18 @@ pub enum PreferenceError {
         /// The value.
         tolerance: f64,
     },
+}
+
+impl PreferenceError {
+    /// The exit status for a command that ends with this error.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Write { .. } | Self::DiskFull { .. } => ExitCode::Storage,
+            Self::Tolerance { .. } => ExitCode::Usage,
+            _ => ExitCode::BadInput,
+        }
+    }
 }
 
 /// A query as it stands in an error.

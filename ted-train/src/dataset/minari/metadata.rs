@@ -193,7 +193,7 @@ pub(super) fn dataset_metadata(
         dataset_size: (bytes as f64 / 1e5).round() / 10.0,
         author: ["ted-train"],
         algorithm_name: format!("scripted policy, recipe {}", origin.recipe),
-        code_permalink: env!("CARGO_PKG_NAME"),
+        code_permalink: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
         description: format!(
             "Meta-World {}: {} episodes of the recipe `{}` from root seed {}; goal {}, reward {}.",
             origin.task, origin.episodes, origin.recipe, origin.seed, origin.goal, origin.reward
