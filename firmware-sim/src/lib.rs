@@ -13,6 +13,8 @@ pub mod controller;
 #[cfg(feature = "std")]
 pub mod exit;
 #[cfg(feature = "std")]
+pub mod failure;
+#[cfg(feature = "std")]
 pub mod interrupt;
 #[cfg(feature = "std")]
 pub mod plant;

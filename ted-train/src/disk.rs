@@ -125,3 +125,8 @@ pub(crate) fn lock(folder: &Path) -> Result<File, WriteError> {
         Err(TryLockError::Error(error)) => Err(WriteError::at(&path, error)),
     }
 }
+
+/// Puts `bytes` in the place of `path` in one step on the real disk.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    Disk::REAL.replace(path, bytes)
+}

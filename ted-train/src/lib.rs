@@ -1,7 +1,17 @@
 //! Preferences to policies: datasets, reward ensembles, TED, offline RL, evaluation, export, and the `ted` command.
 
+pub mod cli;
 pub mod collect;
+pub mod config;
 pub mod dataset;
 mod disk;
+pub mod evaluate;
+pub mod export;
+pub mod iql;
+pub mod nn;
 pub mod preferences;
+pub mod reward;
 pub mod rng;
+pub mod run;
+pub mod ted;
+pub mod train;

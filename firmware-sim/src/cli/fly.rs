@@ -8,11 +8,11 @@ use std::thread;
 use clap::{Args, ValueEnum};
 use ted_policy::{Artifact, ArtifactBytes};
 
-use super::failure::Failure;
 use super::report::Report;
 use crate::bridge::environment;
 use crate::controller::Controller;
 use crate::exit::ExitCode;
+use crate::failure::Failure;
 use crate::plant::{Plant, PlantError};
 use crate::plants::fault::{FaultInjector, FaultPlan};
 use crate::plants::metaworld::MetaWorldPlant;

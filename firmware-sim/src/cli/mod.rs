@@ -1,6 +1,5 @@
 //! The `firmware-sim` command line: flying an artefact and saying how it went.
 
-mod failure;
 mod fly;
 mod report;
 mod toy;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::failure::Failure;
 use crate::exit::ExitCode;
+use crate::failure::Failure;
 use crate::plants::toy;
 
 /// Write the toy's artefact: a policy that was written down, not trained

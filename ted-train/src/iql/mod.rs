@@ -24,9 +24,12 @@
 mod config;
 mod losses;
 mod networks;
+mod replay;
+mod state;
 mod update;
 
 pub use config::IqlConfig;
 pub use losses::{critic_loss, expectile_loss, policy_loss};
 pub use networks::{ACTOR_OUTPUT, Iql};
+pub use replay::Replay;
 pub use update::{Batch, UpdateMetrics};

@@ -6,10 +6,12 @@
 //! bookkeeping. Nothing here knows which burn device it runs on.
 
 mod adam;
+mod export;
 mod init;
 mod mlp;
 
 pub use adam::{Adam, AdamState, Moments};
+pub use export::{ExportedLayer, ExportedMlp};
 pub use init::{Initialiser, orthogonal};
 pub use mlp::{Activation, Linear, Mlp, MlpShape, Tape};
 

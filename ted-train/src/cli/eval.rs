@@ -1,0 +1,83 @@
+//! `ted eval`: the policy of a run, flown by the controller.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+use firmware_sim::failure::Failure;
+
+use crate::config::Config;
+use crate::evaluate::{Evaluation, evaluate};
+use crate::run::RunFolder;
+
+use super::OutputArgs;
+use super::collect::workers;
+use super::failures::end;
+
+const EXAMPLES: &str = "\
+Examples:
+  ted eval runs/drawer-open-v3/true/seed-0
+  ted eval runs/drawer-open-v3/true/seed-0 --episodes 200 --seed 7 --json
+
+The episodes are those of `firmware-sim fly` with the same seed, and so are the returns, to the bit.";
+
+/// Fly the policy of a run in Meta-World and report return, score and success
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct EvalArgs {
+    /// The run's folder
+    run: PathBuf,
+    /// How many episodes
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
+    episodes: u32,
+    /// Root of the episodes' seeds; the run's seed if not given
+    #[arg(long)]
+    seed: Option<u64>,
+    /// The task; the one it was trained for if not given
+    #[arg(long)]
+    task: Option<String>,
+    /// Simulator processes; all cores if not given. Changes nothing but the time
+    #[arg(long)]
+    workers: Option<NonZeroUsize>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
+    let folder = RunFolder::open(&args.run).map_err(end)?;
+    let config = Config::read(&folder.config_path()).map_err(end)?;
+    let report = evaluate(
+        &folder.artefact_path(),
+        args.task.as_deref(),
+        args.episodes,
+        args.seed.unwrap_or(config.seed),
+        workers(args.workers),
+        args.output.audience(),
+    )
+    .map_err(end)?;
+    args.output.print(&report, || text(&report))
+}
+
+/// The table that a person reads.
+pub(super) fn text(report: &Evaluation) -> String {
+    let score =
+        |score: Option<f64>| score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
+    format!(
+        "{task}: {episodes} episodes, seed {seed}\n\
+         return            {mean:.1} +- {sd:.1}\n\
+         normalised score  {normalised}\n\
+         success           {success:.3}\n\
+         dataset           mean return {dataset_mean:.1}, largest {dataset_max:.1}\n\
+         faulted episodes  {faulted}",
+        task = report.task,
+        episodes = report.returns.len(),
+        seed = report.seed,
+        mean = report.return_mean,
+        sd = report.return_sd,
+        normalised = score(report.score),
+        success = report.success,
+        dataset_mean = report.dataset_mean,
+        dataset_max = report.dataset_max,
+        faulted = report.faulted,
+    )
+}

@@ -1,0 +1,109 @@
+//! Which exit code each library error ends with.
+
+use firmware_sim::bridge::environment::SetupError;
+use firmware_sim::exit::ExitCode;
+use firmware_sim::failure::Failure;
+
+use crate::collect::CollectError;
+use crate::config::ConfigError;
+use crate::dataset::DatasetError;
+use crate::disk::WriteError;
+use crate::evaluate::EvaluateError;
+use crate::export::ExportError;
+use crate::preferences::PreferenceError;
+use crate::reward::oprl::LearnError;
+use crate::run::RunError;
+use crate::train::TrainError;
+
+/// An error that knows how a command ends because of it.
+pub(super) trait Ends: std::fmt::Display {
+    fn exit_code(&self) -> ExitCode;
+}
+
+/// Turns any such error into the end of a command.
+pub(super) fn end(error: impl Ends) -> Failure {
+    Failure::new(error.exit_code(), &error)
+}
+
+impl Ends for CollectError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
+    }
+}
+
+impl Ends for SetupError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
+    }
+}
+
+impl Ends for ConfigError {
+    fn exit_code(&self) -> ExitCode {
+        ExitCode::BadInput
+    }
+}
+
+impl Ends for DatasetError {
+    fn exit_code(&self) -> ExitCode {
+        ExitCode::BadInput
+    }
+}
+
+impl Ends for WriteError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::DiskFull { .. } | Self::Io { .. } => ExitCode::Storage,
+            Self::Busy { .. } => ExitCode::Busy,
+            Self::Different { .. } | Self::Episode(_) => ExitCode::BadInput,
+        }
+    }
+}
+
+impl Ends for PreferenceError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::DiskFull { .. } | Self::Write { .. } => ExitCode::Storage,
+            _ => ExitCode::BadInput,
+        }
+    }
+}
+
+impl Ends for RunError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Write(error) => error.exit_code(),
+            Self::OtherRun { .. } => ExitCode::Usage,
+            _ => ExitCode::BadInput,
+        }
+    }
+}
+
+impl Ends for ExportError {
+    fn exit_code(&self) -> ExitCode {
+        ExitCode::BadInput
+    }
+}
+
+impl Ends for TrainError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Run(error) => error.exit_code(),
+            Self::Write(error) => error.exit_code(),
+            Self::Learn(LearnError::Preference(error)) => error.exit_code(),
+            Self::Learn(LearnError::Segment(_)) | Self::Discount(_) => ExitCode::BadInput,
+            Self::Export(error) => error.exit_code(),
+            Self::Diverged { .. } => ExitCode::Failure,
+            Self::Interrupted { .. } => ExitCode::Interrupted,
+        }
+    }
+}
+
+impl Ends for EvaluateError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Load(_) | Self::Artifact(_) => ExitCode::BadInput,
+            Self::Setup(error) => error.exit_code(),
+            Self::Fly(error) => error.exit_code(),
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Where datasets and runs are when a person does not say.
+
+use std::path::{Path, PathBuf};
+
+use firmware_sim::tasks;
+
+use crate::dataset::{Dataset, DatasetError};
+
+/// The folder that Minari keeps its datasets in: `$MINARI_DATASETS_PATH`, or `~/.minari/datasets`.
+pub(super) fn datasets_root() -> PathBuf {
+    let home = || {
+        std::env::home_dir()
+            .unwrap_or_default()
+            .join(".minari")
+            .join("datasets")
+    };
+    std::env::var_os("MINARI_DATASETS_PATH")
+        .filter(|p| !p.is_empty())
+        .map_or_else(home, PathBuf::from)
+}
+
+/// Opens what a person calls a dataset: a folder, a Minari id such as `ted/drawer-open-v3-paper-s0-v0`, or a task,
+/// which means the dataset that `ted collect --task` writes.
+pub(super) fn open_dataset(name: &str) -> Result<(Dataset, PathBuf), DatasetError> {
+    let path = dataset_path(name);
+    Ok((Dataset::open(&path)?, path))
+}
+
+fn dataset_path(name: &str) -> PathBuf {
+    let path = Path::new(name);
+    if path.exists() {
+        path.to_path_buf()
+    } else if tasks::single(name).is_ok() {
+        datasets_root()
+            .join("ted")
+            .join(format!("{name}-paper-s0-v0"))
+    } else {
+        datasets_root().join(name)
+    }
+}
+
+/// `runs/<task>/<preset>/seed-<seed>`.
+pub(super) fn run_folder(task: &str, preset: &str, seed: u64) -> PathBuf {
+    Path::new("runs")
+        .join(task)
+        .join(preset)
+        .join(format!("seed-{seed}"))
+}

@@ -1,0 +1,95 @@
+//! The `ted` command line: each command in its own file, each with `--help`, `--json` and exit codes by kind of failure.
+
+mod collect;
+mod eval;
+mod failures;
+mod locate;
+mod train;
+
+use clap::{Args, Parser, Subcommand};
+use firmware_sim::exit::ExitCode;
+use firmware_sim::failure::Failure;
+use firmware_sim::interrupt;
+use firmware_sim::progress::Audience;
+
+const EXAMPLES: &str = "\
+A first run, all of it at reduced size:
+  ted quickstart
+
+The same step by step:
+  ted collect --task drawer-open-v3
+  ted train drawer-open-v3 --preset oprl-i+ted --seed 0
+  ted crosscheck runs/drawer-open-v3/oprl-i+ted/seed-0
+  firmware-sim fly runs/drawer-open-v3/oprl-i+ted/seed-0/policy.ted --episodes 50
+
+Exit codes: 0 done, 1 other failure, 2 usage, 3 bad input file, 4 Python or simulator, 5 folder in use, \
+6 disk, 7 fault or mismatch, 130 interrupted.";
+
+/// From logs and ten preferences to a policy that flies on a microcontroller.
+#[derive(Debug, Parser)]
+#[command(name = "ted", version, max_term_width = 100, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Collect(collect::CollectArgs),
+    Train(train::TrainArgs),
+    Eval(eval::EvalArgs),
+}
+
+/// What a command prints, and for whom.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct OutputArgs {
+    /// Print one JSON object on standard output, and no progress
+    #[arg(long)]
+    json: bool,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl OutputArgs {
+    fn audience(self) -> Audience {
+        Audience::detect(self.json || self.quiet)
+    }
+
+    /// Prints a result: as JSON, or as the text that a person reads.
+    fn print(
+        self,
+        value: &impl serde::Serialize,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        if self.json {
+            let json = serde_json::to_string_pretty(value)
+                .map_err(|e| Failure::new(ExitCode::Failure, e))?;
+            println!("{json}");
+        } else {
+            println!("{}", text());
+        }
+        Ok(())
+    }
+}
+
+/// Runs the command of this process's arguments.
+#[must_use]
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let caught = interrupt::install().map_err(|error| {
+        Failure::new(
+            ExitCode::Failure,
+            format_args!("cannot catch Ctrl-C: {error}"),
+        )
+    });
+    let done = caught.and_then(|()| match cli.command {
+        Command::Collect(args) => collect::run(&args),
+        Command::Train(args) => train::run(&args),
+        Command::Eval(args) => eval::run(&args),
+    });
+    match done {
+        Ok(()) => ExitCode::Success,
+        Err(failure) => failure.tell(),
+    }
+}

@@ -1,0 +1,108 @@
+//! `ted train`: a dataset and ten answers in, an artefact out.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+use firmware_sim::failure::Failure;
+
+use crate::config::{Overrides, Preset};
+use crate::evaluate::evaluate;
+use crate::preferences::{ReplayTeacher, ScriptedTeacher, Teacher};
+use crate::run::{DatasetReference, RunFolder};
+use crate::train::train;
+
+use super::OutputArgs;
+use super::collect::workers;
+use super::eval::text;
+use super::failures::end;
+use super::locate::{open_dataset, run_folder};
+
+const EXAMPLES: &str = "\
+Examples:
+  ted train drawer-open-v3                                   the method, with the paper's constants
+  ted train drawer-open-v3 --preset true --seed 2            true rewards, another seed
+  ted train drawer-open-v3 --set iql.steps=50000 --set discount.sigma=0.5
+  ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
+
+Any field of config.toml can be set. A stopped run goes on with the same command.";
+
+/// Learn a reward from preferences, set discounts, learn a policy, export and fly it
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct TrainArgs {
+    /// A dataset folder, a Minari id, or a task that `ted collect` has collected
+    dataset: String,
+    /// The composition of reward source, discount and algorithm
+    #[arg(long, value_enum, default_value = "oprl-i+ted")]
+    preset: Preset,
+    /// Root of all randomness
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// The run's folder; runs/<task>/<preset>/seed-<seed> if not given
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// A TOML file over the preset
+    #[arg(long)]
+    config: Option<PathBuf>,
+    /// One field over the preset and the file, key=value; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Answer from this preference log instead of from true returns
+    #[arg(long, value_name = "FILE")]
+    preferences: Option<PathBuf>,
+    /// Simulator processes for the evaluation; all cores if not given
+    #[arg(long)]
+    workers: Option<NonZeroUsize>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
+    let mut overrides = Overrides::default();
+    if let Some(path) = &args.config {
+        overrides = overrides.file(path).map_err(end)?;
+    }
+    for set in &args.sets {
+        overrides = overrides.set(set).map_err(end)?;
+    }
+    let config = overrides.resolve(args.preset, args.seed).map_err(end)?;
+    let audience = args.output.audience();
+
+    let (dataset, path) = open_dataset(&args.dataset).map_err(end)?;
+    let reference = DatasetReference {
+        id: dataset.id().to_owned(),
+        digest: dataset.digest().to_owned(),
+        path,
+    };
+    let task = dataset.task().unwrap_or("unknown");
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| run_folder(task, args.preset.name(), args.seed));
+    let folder = RunFolder::begin(&out, &config, &reference).map_err(end)?;
+    let mut teacher: Box<dyn Teacher> = match &args.preferences {
+        Some(log) => Box::new(ReplayTeacher::open(log, &dataset).map_err(end)?),
+        None => Box::new(ScriptedTeacher::new(0.0).map_err(end)?),
+    };
+    train(&dataset, &config, &folder, teacher.as_mut(), audience).map_err(end)?;
+    audience.note(&format!("wrote {}", folder.artefact_path().display()));
+
+    let episodes = config.schedule.evaluation_episodes;
+    if episodes == 0 {
+        return args.output.print(&folder.artefact_path(), || {
+            folder.artefact_path().display().to_string()
+        });
+    }
+    let report = evaluate(
+        &folder.artefact_path(),
+        None,
+        episodes,
+        config.seed,
+        workers(args.workers),
+        audience,
+    )
+    .map_err(end)?;
+    folder.write_json("evaluation.json", &report).map_err(end)?;
+    args.output.print(&report, || text(&report))
+}

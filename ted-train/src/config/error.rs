@@ -1,0 +1,52 @@
+//! What can be wrong with a configuration.
+
+use std::path::PathBuf;
+
+use ted_core::{MAX_LAYERS, MAX_WIDTH};
+
+/// A configuration that cannot be used, and what to change.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read the configuration {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// TOML that does not parse, an unknown key, or a value of the wrong type; the message names the line.
+    #[error("the configuration from {origin} is not valid: {message}")]
+    Invalid {
+        /// A file, or the command line.
+        origin: String,
+        /// What the parser said.
+        message: String,
+    },
+    /// A `--set` argument without a key or a value.
+    #[error(
+        "cannot understand --set {argument:?}: write key=value, for example --set iql.steps=50000"
+    )]
+    Override {
+        /// The argument.
+        argument: String,
+    },
+    /// A number outside its range.
+    #[error("{field} is {value}, but must be in {range}")]
+    OutOfRange {
+        /// Dotted path of the field.
+        field: &'static str,
+        /// The number.
+        value: f64,
+        /// Where it must lie.
+        range: &'static str,
+    },
+    /// A network that the controller could not run.
+    #[error("{field} is {hidden:?}, but the controller runs at most {} hidden layers of 1 to {MAX_WIDTH} units", MAX_LAYERS - 1)]
+    Widths {
+        /// Dotted path of the field.
+        field: &'static str,
+        /// The widths.
+        hidden: Vec<usize>,
+    },
+}

@@ -1,0 +1,229 @@
+//! From a preset to a resolved configuration: a file, then `--set key=value`, each refusing unknown keys.
+
+use std::path::Path;
+
+use toml::{Table, Value};
+
+use super::{Config, ConfigError, Preset};
+
+/// What a person changed about a preset.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// Tables merged over the preset in this order, with where they came from.
+    layers: Vec<(String, Table)>,
+}
+
+impl Overrides {
+    /// Adds a TOML file.
+    ///
+    /// # Errors
+    /// When it cannot be read or parsed.
+    pub fn file(mut self, path: &Path) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let origin = path.display().to_string();
+        let table = parse(&origin, &text)?;
+        self.layers.push((origin, table));
+        Ok(self)
+    }
+
+    /// Adds one `key=value`; the key is a dotted path, the value TOML, bare words being strings.
+    ///
+    /// # Errors
+    /// When there is no `=`, or the key is empty.
+    pub fn set(mut self, argument: &str) -> Result<Self, ConfigError> {
+        let bad = || ConfigError::Override {
+            argument: argument.to_owned(),
+        };
+        let (key, value) = argument.split_once('=').ok_or_else(bad)?;
+        let mut parts = key.trim().rsplit('.');
+        let value = toml::from_str::<Table>(&format!("v = {value}"))
+            .ok()
+            .and_then(|mut table| table.remove("v"))
+            .unwrap_or_else(|| Value::String(value.trim().to_owned()));
+        let last = parts.next().filter(|p| !p.is_empty()).ok_or_else(bad)?;
+        let mut table = Table::from_iter([(last.to_owned(), value)]);
+        for part in parts {
+            if part.is_empty() {
+                return Err(bad());
+            }
+            table = Table::from_iter([(part.to_owned(), Value::Table(table))]);
+        }
+        self.layers.push((format!("--set {argument}"), table));
+        Ok(self)
+    }
+
+    /// The preset with every change applied, checked.
+    ///
+    /// # Errors
+    /// Names the first unknown key, wrong type or value out of range, and where it came from.
+    pub fn resolve(&self, preset: Preset, seed: u64) -> Result<Config, ConfigError> {
+        let start = Config {
+            seed,
+            ..preset.config()
+        };
+        let mut table = parse("the preset", &start.to_toml())?;
+        let mut config = start;
+        for (origin, layer) in &self.layers {
+            merge(&mut table, layer.clone());
+            config = table
+                .clone()
+                .try_into()
+                .map_err(|error| ConfigError::Invalid {
+                    origin: origin.clone(),
+                    message: clean(&error),
+                })?;
+        }
+        config.check()?;
+        Ok(config)
+    }
+}
+
+impl Config {
+    /// Reads a resolved configuration, as a run folder holds it.
+    ///
+    /// # Errors
+    /// When it cannot be read, has an unknown key, or holds a value out of range.
+    pub fn read(path: &Path) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let config: Self = toml::from_str(&text).map_err(|error| ConfigError::Invalid {
+            origin: path.display().to_string(),
+            message: clean(&error),
+        })?;
+        config.check()?;
+        Ok(config)
+    }
+}
+
+fn parse(origin: &str, text: &str) -> Result<Table, ConfigError> {
+    toml::from_str(text).map_err(|error| ConfigError::Invalid {
+        origin: origin.to_owned(),
+        message: clean(&error),
+    })
+}
+
+fn clean(error: &toml::de::Error) -> String {
+    error.to_string().trim().replace('\n', " ")
+}
+
+/// Merges tables key by key. A table that names another kind (`source`, `rule`, `kind`) replaces the old one: the
+/// fields of one kind mean nothing to another.
+fn merge(base: &mut Table, layer: Table) {
+    for (key, value) in layer {
+        match (base.get_mut(&key), value) {
+            (Some(Value::Table(old)), Value::Table(new)) if same_kind(old, &new) => merge(old, new),
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+}
+
+fn same_kind(old: &Table, new: &Table) -> bool {
+    ["source", "rule", "kind"]
+        .iter()
+        .all(|tag| new.get(*tag).is_none_or(|v| old.get(*tag) == Some(v)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ted::DiscountConfig;
+
+    fn resolve(sets: &[&str]) -> Result<Config, ConfigError> {
+        let mut overrides = Overrides::default();
+        for set in sets {
+            overrides = overrides.set(set)?;
+        }
+        overrides.resolve(Preset::OprlITed, 3)
+    }
+
+    #[test]
+    fn fields_of_any_depth_can_be_set() {
+        let config = resolve(&[
+            "iql.steps=7",
+            "discount.sigma=0.5",
+            "iql.hidden=[64, 64]",
+            "backend=ndarray",
+        ])
+        .unwrap();
+        assert_eq!(config.iql.steps, 7);
+        assert_eq!(config.iql.hidden, [64, 64]);
+        assert_eq!(
+            config.discount,
+            DiscountConfig::Ted {
+                gamma: 0.99,
+                k: 70.0,
+                sigma: 0.5
+            }
+        );
+        assert_eq!(config.seed, 3);
+    }
+
+    #[test]
+    fn a_change_of_kind_drops_the_fields_of_the_old_kind() {
+        let config = resolve(&["reward={source=\"zero\"}"]).unwrap();
+        assert_eq!(config.reward, crate::reward::RewardConfig::Zero {});
+        assert!(matches!(resolve(&["reward.source=zero"]), Ok(c) if c.reward == config.reward));
+    }
+
+    #[test]
+    fn every_preset_survives_writing_and_reading() {
+        for preset in [
+            Preset::True,
+            Preset::Zero,
+            Preset::Random,
+            Preset::OprlI,
+            Preset::OprlITed,
+        ] {
+            let config = preset.config();
+            assert_eq!(toml::from_str::<Config>(&config.to_toml()).unwrap(), config);
+        }
+    }
+
+    #[test]
+    fn unknown_keys_are_refused_by_name() {
+        for set in [
+            "iql.step=7",
+            "steps=7",
+            "reward.epoch=1",
+            "discount.kk=1",
+            "reward.scaling.floor=0.1",
+        ] {
+            let error = resolve(&[set]).unwrap_err().to_string();
+            assert!(error.contains("unknown field"), "{set}: {error}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_by_field_and_range() {
+        for (set, field) in [
+            ("discount.k=100.1", "discount.k"),
+            ("discount.k=-1.0", "discount.k"),
+            ("discount.sigma=1.01", "discount.sigma"),
+            ("discount.sigma=nan", "discount.sigma"),
+            ("iql.tau=0.0", "iql.tau"),
+            ("iql.tau=1.0", "iql.tau"),
+            ("iql.hidden=[512]", "iql.hidden"),
+            ("reward.members=9", "reward.members"),
+        ] {
+            let error = resolve(&[set]).unwrap_err().to_string();
+            assert!(error.starts_with(field), "{set}: {error}");
+        }
+    }
+
+    #[test]
+    fn an_override_without_a_value_is_refused() {
+        for set in ["iql.steps", "=3", "iql.=3", ".steps=3"] {
+            assert!(
+                matches!(resolve(&[set]), Err(ConfigError::Override { .. })),
+                "{set}"
+            );
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What the controller may expect and promise: names, units and ranges of the channels of a dataset.
+
+use ted_policy::{ActionChannel, Contract, ContractFault, ObservationChannel};
+
+use crate::dataset::Dataset;
+
+/// Time between two ticks: Meta-World's 5 simulator steps of 2.5 ms.
+const CONTROL_PERIOD_US: u32 = 12_500;
+
+/// An observation that missed one tick may still be acted on; one that missed two may not.
+const MAX_OBSERVATION_AGE_US: u32 = 2 * CONTROL_PERIOD_US;
+
+/// A channel may leave the dataset's range by this share of its width ...
+const RANGE_MARGIN: f32 = 0.5;
+
+/// ... and at least by this much, in the channel's unit, so that a channel that never moved can.
+const RANGE_FLOOR: f32 = 0.1;
+
+/// Owned names and ranges, from which the artefact's contract borrows.
+pub struct ContractText {
+    task: String,
+    observation: Vec<(String, &'static str, f32, f32)>,
+    action: Vec<(String, &'static str)>,
+}
+
+impl ContractText {
+    /// Names the channels of Meta-World, numbers those of other tasks, and widens the dataset's ranges: beyond them the
+    /// policy has never seen anything.
+    #[must_use]
+    pub fn new(dataset: &Dataset) -> Self {
+        let statistics = dataset.observation_statistics();
+        let observation = statistics
+            .min
+            .iter()
+            .zip(&statistics.max)
+            .enumerate()
+            .map(|(i, (&low, &high))| {
+                let margin = (RANGE_MARGIN * (high - low)).max(RANGE_FLOOR);
+                let (name, unit) = channel_text(i, dataset.observation_dim());
+                (name, unit, low - margin, high + margin)
+            })
+            .collect();
+        let action = match dataset.action_dim() {
+            4 => [
+                ("hand_dx", "cm"),
+                ("hand_dy", "cm"),
+                ("hand_dz", "cm"),
+                ("gripper", "effort"),
+            ]
+            .map(|(name, unit)| (name.to_owned(), unit))
+            .to_vec(),
+            dims => (0..dims).map(|i| (format!("action_{i}"), "")).collect(),
+        };
+        Self {
+            task: dataset.task().unwrap_or("unknown").to_owned(),
+            observation,
+            action,
+        }
+    }
+
+    /// The contract.
+    ///
+    /// # Errors
+    /// When there are more channels than the controller has room for, or a range is not finite.
+    pub fn contract(&self) -> Result<Contract<'_>, ContractFault> {
+        let observation: Vec<_> = self
+            .observation
+            .iter()
+            .map(|(name, unit, low, high)| ObservationChannel {
+                name,
+                unit,
+                low: *low,
+                high: *high,
+            })
+            .collect();
+        // A policy trained without a slew limit flies without one: the full range in one tick.
+        let action: Vec<_> = self
+            .action
+            .iter()
+            .map(|(name, unit)| ActionChannel {
+                name,
+                unit,
+                low: -1.0,
+                high: 1.0,
+                slew_per_tick: 2.0,
+            })
+            .collect();
+        Contract::new(
+            &self.task,
+            &observation,
+            &action,
+            CONTROL_PERIOD_US,
+            MAX_OBSERVATION_AGE_US,
+        )
+    }
+}
+
+/// Name and unit of an observation channel. Meta-World's 39: 18 of now, 18 of the tick before, and the goal.
+#[must_use]
+pub fn channel_text(index: usize, dims: usize) -> (String, &'static str) {
+    const FRAME: [(&str, &str); 18] = [
+        ("hand_x", "m"),
+        ("hand_y", "m"),
+        ("hand_z", "m"),
+        ("gripper_opening", "1"),
+        ("object1_x", "m"),
+        ("object1_y", "m"),
+        ("object1_z", "m"),
+        ("object1_qx", "1"),
+        ("object1_qy", "1"),
+        ("object1_qz", "1"),
+        ("object1_qw", "1"),
+        ("object2_x", "m"),
+        ("object2_y", "m"),
+        ("object2_z", "m"),
+        ("object2_qx", "1"),
+        ("object2_qy", "1"),
+        ("object2_qz", "1"),
+        ("object2_qw", "1"),
+    ];
+    const GOAL: [&str; 3] = ["goal_x", "goal_y", "goal_z"];
+    match (dims, index) {
+        (39, 0..18) => (FRAME[index].0.to_owned(), FRAME[index].1),
+        (39, 18..36) => (
+            format!("previous_{}", FRAME[index - 18].0),
+            FRAME[index - 18].1,
+        ),
+        (39, 36..39) => (GOAL[index - 36].to_owned(), "m"),
+        _ => (format!("observation_{index}"), ""),
+    }
+}

@@ -1,0 +1,117 @@
+//! From a trained run to the artefact that a controller flies.
+
+mod contract;
+
+pub use contract::{ContractText, channel_text};
+
+use ted_core::{Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
+use ted_policy::{ArtifactSpec, Digest, Provenance, WriteError};
+
+use crate::dataset::Dataset;
+use crate::nn::ExportedMlp;
+use crate::reward::oprl::ExportedEnsemble;
+
+/// Golden vectors in an artefact: every loader replays them before it flies.
+const GOLDEN: usize = 16;
+
+/// Everything of a run that its artefact is made from.
+pub struct Export<'a> {
+    /// The dataset it was trained on.
+    pub dataset: &'a Dataset,
+    /// Mean of each observation channel.
+    pub shift: &'a [f32],
+    /// Inverse deviation of each observation channel.
+    pub scale: &'a [f32],
+    /// The actor.
+    pub actor: &'a ExportedMlp,
+    /// The reward ensemble and its range, if the run learned one.
+    pub reward: Option<(&'a ExportedEnsemble, RewardRange)>,
+    /// TED's lookup, if the run used it.
+    pub ted: Option<TedDiscount>,
+    /// Name of the composition.
+    pub preset: &'a str,
+    /// Root seed.
+    pub seed: u64,
+    /// Updates of the policy.
+    pub steps: u64,
+    /// Digest of the resolved configuration.
+    pub config_digest: Digest,
+    /// Digest of the preference log.
+    pub preferences_digest: Option<Digest>,
+}
+
+/// Why no artefact was written.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The networks are larger than the controller's limits.
+    #[error("the controller cannot run this policy: {0}")]
+    Shape(#[from] ShapeError),
+    /// The observation or action channels cannot be promised.
+    #[error("the dataset makes no valid contract: {0}")]
+    Contract(#[from] ted_policy::ContractFault),
+    /// The artefact would not be accepted by a reader.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A digest that is not 64 hexadecimal digits.
+    #[error("{what} has no valid digest")]
+    Digest {
+        /// Whose digest.
+        what: &'static str,
+    },
+}
+
+/// The bytes of the artefact.
+///
+/// # Errors
+/// When the controller could not run it, or a weight is not finite.
+pub fn artefact(export: &Export<'_>) -> Result<Vec<u8>, ExportError> {
+    let text = ContractText::new(export.dataset);
+    let contract = text.contract()?;
+    let policy = Policy::new(
+        Normaliser::new(export.shift, export.scale)?,
+        export.actor.view()?,
+    )?;
+    let reward = export
+        .reward
+        .map(|(ensemble, range)| ensemble.view(range))
+        .transpose()?;
+    let dataset_digest = export
+        .dataset
+        .digest()
+        .parse()
+        .map_err(|_| ExportError::Digest {
+            what: "the dataset",
+        })?;
+    let provenance = Provenance {
+        trainer_version: env!("CARGO_PKG_VERSION"),
+        preset: export.preset,
+        seed: export.seed,
+        steps: export.steps,
+        config_digest: export.config_digest,
+        dataset_id: export.dataset.id(),
+        dataset_digest,
+        preferences_digest: export.preferences_digest,
+        dataset_return_mean: export.dataset.mean_return_true(),
+        dataset_return_max: export.dataset.max_return_true(),
+    };
+    let golden_obs_raw = golden_observations(export.dataset);
+    let spec = ArtifactSpec {
+        contract,
+        provenance,
+        policy,
+        reward,
+        ted: export.ted,
+        integer_policy: None,
+        golden_obs_raw: &golden_obs_raw,
+    };
+    Ok(ted_policy::write(&spec)?)
+}
+
+/// Observations spread evenly over the dataset.
+fn golden_observations(dataset: &Dataset) -> Vec<f32> {
+    let steps = dataset.step_count();
+    let count = GOLDEN.min(steps);
+    (0..count)
+        .flat_map(|i| dataset.observation(i * steps / count).iter().copied())
+        .collect()
+}

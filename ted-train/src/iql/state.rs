@@ -1,0 +1,92 @@
+//! Saving and restoring a learner, to the bit.
+
+use burn::tensor::Tensor;
+
+use crate::nn::{AdamState, ExportedMlp, Mlp};
+use crate::run::{Checkpoint, ForeignCheckpoint};
+
+use super::Iql;
+
+impl Iql {
+    /// Everything that the next update depends on.
+    #[must_use]
+    pub fn checkpoint(&self, config_digest: [u8; 32]) -> Checkpoint {
+        let mut checkpoint = Checkpoint {
+            config_digest,
+            step: self.step,
+            tensors: Vec::new(),
+        };
+        let mut copy = self.clone();
+        copy.for_each_tensor(|name, tensor| {
+            checkpoint.push(name, tensor);
+            Ok::<(), ForeignCheckpoint>(())
+        })
+        .unwrap_or_else(|error| unreachable!("pushing cannot fail: {error}"));
+        checkpoint
+    }
+
+    /// Puts a saved state in the place of this one.
+    ///
+    /// # Errors
+    /// When the checkpoint lacks a tensor or has another shape; the learner must not be used then.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), ForeignCheckpoint> {
+        let device = self.device.clone();
+        self.for_each_tensor(|name, tensor| {
+            *tensor = checkpoint.fetch(&name, tensor, &device)?;
+            Ok(())
+        })?;
+        self.step = checkpoint.step;
+        Ok(())
+    }
+
+    /// The actor of each lane in the controller's layout.
+    #[must_use]
+    pub fn actors(&self) -> Vec<ExportedMlp> {
+        ExportedMlp::members(&self.actor)
+    }
+
+    /// Names every tensor of the state, always in the same order.
+    fn for_each_tensor<E>(
+        &mut self,
+        mut visit: impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut network = |name: &str, network: &mut Mlp| {
+            network
+                .layers
+                .iter_mut()
+                .enumerate()
+                .try_for_each(|(i, layer)| {
+                    visit(format!("{name}/{i}/weight"), &mut layer.weight)?;
+                    visit(format!("{name}/{i}/bias"), &mut layer.bias)
+                })
+        };
+        network("value", &mut self.value)?;
+        network("actor", &mut self.actor)?;
+        network("critic", &mut self.critic)?;
+        network("target", &mut self.target)?;
+        visit("log_std".to_owned(), &mut self.log_std)?;
+        visit(
+            "adam/log_std/first".to_owned(),
+            &mut self.log_std_adam.first,
+        )?;
+        visit(
+            "adam/log_std/second".to_owned(),
+            &mut self.log_std_adam.second,
+        )?;
+        let mut moments = |name: &str, state: &mut AdamState| {
+            state
+                .layers
+                .iter_mut()
+                .enumerate()
+                .try_for_each(|(i, (weight, bias))| {
+                    visit(format!("adam/{name}/{i}/weight/first"), &mut weight.first)?;
+                    visit(format!("adam/{name}/{i}/weight/second"), &mut weight.second)?;
+                    visit(format!("adam/{name}/{i}/bias/first"), &mut bias.first)?;
+                    visit(format!("adam/{name}/{i}/bias/second"), &mut bias.second)
+                })
+        };
+        moments("value", &mut self.value_adam)?;
+        moments("actor", &mut self.actor_adam)?;
+        moments("critic", &mut self.critic_adam)
+    }
+}

@@ -1,0 +1,19 @@
+//! The choice of a reward source.
+
+use serde::{Deserialize, Serialize};
+
+use super::oprl::OprlConfig;
+
+/// Where the rewards of a run come from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "source", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RewardConfig {
+    /// The dataset's own rewards: what a run could reach with perfect labels.
+    True {},
+    /// Zero everywhere: what pessimism alone reaches.
+    Zero {},
+    /// Uniform noise: what a reward without information reaches.
+    Random {},
+    /// An ensemble learned from preferences.
+    Oprl(OprlConfig),
+}

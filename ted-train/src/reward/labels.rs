@@ -1,0 +1,108 @@
+//! One reward for each transition of a dataset, mapped to [0, 1].
+
+use rand::RngExt;
+use rayon::prelude::*;
+use ted_core::{EpisodeReturn, RewardEnsemble, RewardRange, Scratch, ShapeError};
+
+use crate::dataset::Dataset;
+use crate::rng::Seed;
+
+/// Rewards of a dataset as the learner sees them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Labels {
+    /// One reward for each transition, in [0, 1] when mapped.
+    pub rewards: Vec<f32>,
+    /// The raw rewards that became 0 and 1.
+    pub range: RewardRange,
+}
+
+impl Labels {
+    /// Maps raw rewards to [0, 1] by their smallest and largest value over the dataset.
+    #[must_use]
+    pub fn unit(raw: Vec<f32>) -> Self {
+        let low = raw.iter().copied().fold(f32::INFINITY, f32::min);
+        let high = raw.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let range = RewardRange { low, high };
+        Self {
+            rewards: raw.into_par_iter().map(|r| range.reward_hat(r)).collect(),
+            range,
+        }
+    }
+
+    /// Leaves raw rewards as they are. TED then inverts where values are negative; a test shows it.
+    #[must_use]
+    pub fn raw(raw: Vec<f32>) -> Self {
+        Self {
+            rewards: raw,
+            range: RewardRange {
+                low: 0.0,
+                high: 1.0,
+            },
+        }
+    }
+
+    /// Predicted return of each episode: the sum that the device keeps, in its order and precision.
+    #[must_use]
+    pub fn episode_returns(&self, dataset: &Dataset) -> Vec<f32> {
+        let sum = |rewards: &[f32]| {
+            let mut total = EpisodeReturn::new();
+            rewards.iter().for_each(|&r| total.push(r));
+            total.return_hat()
+        };
+        dataset
+            .episodes()
+            .iter()
+            .map(|e| sum(&self.rewards[e.first_step..e.first_step + e.len]))
+            .collect()
+    }
+}
+
+/// The dataset's own rewards.
+#[must_use]
+pub fn dataset_labels(dataset: &Dataset) -> Vec<f32> {
+    dataset.rewards_true().to_vec()
+}
+
+/// Zero for each transition.
+#[must_use]
+pub fn zero_labels(dataset: &Dataset) -> Vec<f32> {
+    vec![0.0; dataset.step_count()]
+}
+
+/// Uniform noise in [0, 1).
+#[must_use]
+pub fn random_labels(dataset: &Dataset, seed: Seed) -> Vec<f32> {
+    let mut rng = seed.rng();
+    (0..dataset.step_count())
+        .map(|_| rng.random::<f32>())
+        .collect()
+}
+
+/// The ensemble's raw reward of each transition, computed by the device's own kernel: what the controller will score is
+/// to the bit what the learner was given.
+///
+/// # Errors
+/// When the ensemble was not made for observations and actions of this size.
+pub fn ensemble_labels(
+    dataset: &Dataset,
+    ensemble: &RewardEnsemble<'_>,
+) -> Result<Vec<f32>, ShapeError> {
+    let episode = |e: &crate::dataset::Episode| -> Result<Vec<f32>, ShapeError> {
+        let mut scratch = Scratch::new();
+        (e.first_step..e.first_step + e.len)
+            .map(|step| {
+                ensemble.raw(
+                    dataset.observation(step),
+                    dataset.action(step),
+                    &mut scratch,
+                )
+            })
+            .collect()
+    };
+    let episodes: Vec<Vec<f32>> = dataset
+        .episodes()
+        .par_iter()
+        .map(episode)
+        .collect::<Result<_, _>>()?;
+    Ok(episodes.concat())
+}

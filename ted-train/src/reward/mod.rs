@@ -1,0 +1,13 @@
+//! Where the rewards of a run come from, and what they are worth.
+//!
+//! Every source ends in the same thing, [`Labels`]: one reward in [0, 1] for each transition. Bradley-Terry does not fix
+//! a reward's offset, and lowering a discount lowers a value only where values are positive, so rewards of every source
+//! are mapped to [0, 1] over the dataset before TED sees them.
+
+mod config;
+mod labels;
+pub mod oprl;
+pub mod quality;
+
+pub use config::RewardConfig;
+pub use labels::{Labels, dataset_labels, ensemble_labels, random_labels, zero_labels};

@@ -1,0 +1,89 @@
+//! Choices of the OPRL reward ensemble.
+
+use serde::{Deserialize, Serialize};
+
+use crate::nn::{Activation, Adam, Initialiser};
+
+/// What a reward network sees of a transition.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RewardInputs {
+    /// The observation, as OPRL's code does.
+    Observation,
+    /// The observation and the action, as the paper writes r(s, a).
+    #[default]
+    ObservationAction,
+}
+
+/// How the inputs of the reward networks are scaled; independent of the RL networks' standardisation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum InputScaling {
+    /// As recorded, in metres and quaternion components.
+    Raw {},
+    /// Minus the dataset's mean, divided by its standard deviation, which is not taken smaller than `floor`.
+    Standard {
+        /// Smallest standard deviation, in the observation's unit: keeps nearly constant channels from becoming noise.
+        floor: f32,
+    },
+}
+
+/// The ensemble, its queries and its training.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OprlConfig {
+    /// Networks in the ensemble; each gets one random query of its own first.
+    pub members: usize,
+    /// Rounds after that; each asks one query that all members share.
+    pub rounds: u32,
+    /// Steps of a segment, H.
+    pub segment: u32,
+    /// Random pairs of segments among which a round looks for the largest disagreement.
+    pub pool: usize,
+    /// What the networks see.
+    pub inputs: RewardInputs,
+    /// How that is scaled.
+    pub scaling: InputScaling,
+    /// Hidden widths.
+    pub hidden: Vec<usize>,
+    /// Activation of a network's output.
+    pub output: Activation,
+    /// How weights are drawn.
+    pub initialiser: Initialiser,
+    /// Full-batch gradient steps after the first queries and after each round.
+    pub epochs: u32,
+    /// Adam's step size; the optimiser starts anew in each round, the weights go on.
+    pub learning_rate: f64,
+    /// The optimiser's constants.
+    pub adam: Adam,
+    /// Pairs held out to measure the ensemble's agreement with true returns.
+    pub held_out: usize,
+}
+
+impl Default for OprlConfig {
+    fn default() -> Self {
+        Self {
+            members: 7,
+            rounds: 3,
+            segment: 50,
+            pool: 1000,
+            inputs: RewardInputs::ObservationAction,
+            scaling: InputScaling::Raw {},
+            hidden: vec![256, 256],
+            output: Activation::Tanh,
+            initialiser: Initialiser::UniformFanIn,
+            epochs: 200,
+            learning_rate: 3e-4,
+            adam: Adam::default(),
+            held_out: 1000,
+        }
+    }
+}
+
+impl OprlConfig {
+    /// Answers a person has to give: one for each member and one for each round.
+    #[must_use]
+    pub fn queries(&self) -> usize {
+        self.members + self.rounds as usize
+    }
+}

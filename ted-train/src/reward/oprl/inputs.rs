@@ -1,0 +1,60 @@
+//! From transitions to the scaled inputs of the reward networks.
+
+use crate::dataset::{Dataset, ObservationStatistics};
+
+use super::config::{InputScaling, OprlConfig, RewardInputs};
+
+/// The affine map `(raw - shift) * scale` of every input channel: the observation's, then the action's if it is one.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct InputMap {
+    /// What the channels are.
+    pub inputs: RewardInputs,
+    /// Subtracted first.
+    pub shift: Vec<f32>,
+    /// Multiplied then.
+    pub scale: Vec<f32>,
+}
+
+impl InputMap {
+    /// The map that the config asks for, on the statistics of this dataset. Actions are already in [-1, 1].
+    #[must_use]
+    pub fn new(config: &OprlConfig, statistics: &ObservationStatistics, action_dim: usize) -> Self {
+        let observation_dim = statistics.mean.len();
+        let (mut shift, mut scale) = match config.scaling {
+            InputScaling::Raw {} => (vec![0.0; observation_dim], vec![1.0; observation_dim]),
+            InputScaling::Standard { floor } => (
+                statistics.mean.clone(),
+                statistics.std.iter().map(|s| 1.0 / s.max(floor)).collect(),
+            ),
+        };
+        if config.inputs == RewardInputs::ObservationAction {
+            shift.resize(observation_dim + action_dim, 0.0);
+            scale.resize(observation_dim + action_dim, 1.0);
+        }
+        Self {
+            inputs: config.inputs,
+            shift,
+            scale,
+        }
+    }
+
+    /// Number of input channels.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.shift.len()
+    }
+
+    /// Appends the scaled inputs of one step.
+    pub fn push(&self, dataset: &Dataset, step: usize, out: &mut Vec<f32>) {
+        let action: &[f32] = match self.inputs {
+            RewardInputs::Observation => &[],
+            RewardInputs::ObservationAction => dataset.action(step),
+        };
+        let raw = dataset.observation(step).iter().chain(action);
+        out.extend(
+            raw.zip(&self.shift)
+                .zip(&self.scale)
+                .map(|((x, shift), scale)| (x - shift) * scale),
+        );
+    }
+}

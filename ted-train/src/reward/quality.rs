@@ -1,0 +1,170 @@
+//! How well learned rewards order what is in the dataset.
+
+use serde::{Deserialize, Serialize};
+
+use crate::dataset::Dataset;
+
+use super::Labels;
+
+/// Agreement of learned rewards with the true ones, over the whole dataset.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RewardQuality {
+    /// Pearson correlation of predicted and true episode returns.
+    pub pearson: f64,
+    /// Spearman rank correlation of predicted and true episode returns.
+    pub spearman: f64,
+    /// Spearman over the third of episodes with the lowest predicted return: what TED relies on.
+    pub spearman_low_third: f64,
+    /// Spearman over the third of episodes with the highest predicted return.
+    pub spearman_high_third: f64,
+    /// Mean absolute error of the min-max scaled returns over the lowest predicted third (the paper's Figure 1).
+    pub error_low_third: f64,
+    /// The same over the highest predicted third.
+    pub error_high_third: f64,
+    /// Pearson correlation of predicted and true rewards of single transitions.
+    pub transition_pearson: f64,
+    /// Share of the 5 % of episodes with the highest true return that lie in the predicted top 70 %.
+    pub best_kept: f64,
+    /// Mean true return of the predicted top 10 % of episodes over the mean true return of all.
+    pub top_decile_lift: f64,
+}
+
+impl RewardQuality {
+    /// Measures labels against the dataset's own rewards.
+    #[must_use]
+    pub fn measure(dataset: &Dataset, labels: &Labels) -> Self {
+        let hat: Vec<f64> = labels
+            .episode_returns(dataset)
+            .into_iter()
+            .map(f64::from)
+            .collect();
+        let truth: Vec<f64> = dataset.episodes().iter().map(|e| e.return_true).collect();
+        let order = order(&hat);
+        let third = hat.len() / 3;
+        let (low, high) = (&order[..third], &order[hat.len() - third..]);
+        let (hat_unit, truth_unit) = (unit(&hat), unit(&truth));
+        let spearman_of = |set: &[usize]| spearman(&pick(&hat, set), &pick(&truth, set));
+        let error_of = |set: &[usize]| {
+            set.iter()
+                .map(|&i| (hat_unit[i] - truth_unit[i]).abs())
+                .sum::<f64>()
+                / third.max(1) as f64
+        };
+        let rewards_hat: Vec<f64> = labels.rewards.iter().map(|&r| f64::from(r)).collect();
+        let rewards_true: Vec<f64> = dataset
+            .rewards_true()
+            .iter()
+            .map(|&r| f64::from(r))
+            .collect();
+        let decile = &order[hat.len() - hat.len().div_ceil(10)..];
+        Self {
+            pearson: pearson(&hat, &truth),
+            spearman: spearman(&hat, &truth),
+            spearman_low_third: spearman_of(low),
+            spearman_high_third: spearman_of(high),
+            error_low_third: error_of(low),
+            error_high_third: error_of(high),
+            transition_pearson: pearson(&rewards_hat, &rewards_true),
+            best_kept: best_kept(&hat, &truth, 0.05, 0.7),
+            top_decile_lift: mean(&pick(&truth, decile)) / mean(&truth),
+        }
+    }
+}
+
+/// Share of the best `best` of episodes by true return that are in the top `top` by predicted return.
+#[must_use]
+pub fn best_kept(hat: &[f64], truth: &[f64], best: f64, top: f64) -> f64 {
+    let count = |share: f64| ((hat.len() as f64 * share).round() as usize).max(1);
+    let last = |values: &[f64], n: usize| order(values).split_off(values.len() - n);
+    let kept = last(hat, count(top));
+    let wanted = last(truth, count(best));
+    wanted.iter().filter(|i| kept.contains(i)).count() as f64 / wanted.len() as f64
+}
+
+/// Pearson correlation; 0 when one side is constant.
+#[must_use]
+pub fn pearson(a: &[f64], b: &[f64]) -> f64 {
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        let (x, y) = (x - mean_a, y - mean_b);
+        ab += x * y;
+        aa += x * x;
+        bb += y * y;
+    }
+    if aa == 0.0 || bb == 0.0 {
+        0.0
+    } else {
+        ab / (aa * bb).sqrt()
+    }
+}
+
+/// Spearman rank correlation, ties sharing their mean rank.
+#[must_use]
+pub fn spearman(a: &[f64], b: &[f64]) -> f64 {
+    pearson(&ranks(a), &ranks(b))
+}
+
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let order = order(values);
+    let mut ranks = vec![0.0; values.len()];
+    let mut start = 0;
+    while start < order.len() {
+        let tied = order[start..]
+            .iter()
+            .take_while(|&&i| values[i] == values[order[start]])
+            .count();
+        for &i in &order[start..start + tied] {
+            ranks[i] = start as f64 + (tied as f64 - 1.0) / 2.0;
+        }
+        start += tied;
+    }
+    ranks
+}
+
+/// Indices by ascending value, ties by index.
+fn order(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    order
+}
+
+fn pick(values: &[f64], set: &[usize]) -> Vec<f64> {
+    set.iter().map(|&i| values[i]).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn unit(values: &[f64]) -> Vec<f64> {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let span = if high > low { high - low } else { 1.0 };
+    values.iter().map(|v| (v - low) / span).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spearman_gives_tied_values_their_mean_rank() {
+        // Ranks 0, 1.5, 1.5, 3 against 0, 1, 2, 3: cov 4.5, variances 4.5 and 5.
+        let rho = spearman(&[1.0, 2.0, 2.0, 9.0], &[1.0, 2.0, 3.0, 4.0]);
+        assert!((rho - 4.5 / (4.5f64 * 5.0).sqrt()).abs() < 1e-12, "{rho}");
+    }
+
+    #[test]
+    fn correlations_of_a_constant_are_zero() {
+        assert_eq!(pearson(&[1.0, 1.0, 1.0], &[1.0, 2.0, 3.0]), 0.0);
+    }
+
+    #[test]
+    fn best_kept_counts_the_best_true_episodes_in_the_predicted_top() {
+        let truth: Vec<f64> = (0..20).map(f64::from).collect();
+        assert_eq!(best_kept(&truth, &truth, 0.1, 0.7), 1.0);
+        let reversed: Vec<f64> = truth.iter().map(|t| -t).collect();
+        assert_eq!(best_kept(&reversed, &truth, 0.1, 0.7), 0.0);
+    }
+}

@@ -1,0 +1,138 @@
+//! TensorBoard event files: TFRecord framing around `Event` messages that carry scalar summaries.
+//!
+//! The two formats are small and frozen, so they are written here instead of pulling in a protobuf compiler. A row is
+//! `u64 length, u32 masked CRC-32C of the length, payload, u32 masked CRC-32C of the payload`, all little-endian
+//! (tensorflow `core/lib/io/record_writer.h`, `core/util/event.proto`).
+
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde_json::{Map, Value};
+
+use crate::disk::WriteError;
+
+/// Writes scalars that TensorBoard shows as curves.
+#[derive(Debug)]
+pub struct EventWriter {
+    file: File,
+    path: PathBuf,
+}
+
+impl EventWriter {
+    /// Starts an event file in a folder. A resumed run starts another one; TensorBoard joins them by step.
+    ///
+    /// # Errors
+    /// When the file cannot be created.
+    pub fn create(folder: &Path, step: u64) -> Result<Self, WriteError> {
+        let path = folder.join(format!("events.out.tfevents.{step:010}.ted"));
+        let file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(&path)
+            .map_err(|source| WriteError::at(&path, source))?;
+        let mut writer = Self { file, path };
+        // Event { wall_time = 1; file_version = 3 }
+        let version = [field(3, 2), bytes(b"brain.Event:2")].concat();
+        writer.record(&[wall_time(), version].concat())?;
+        Ok(writer)
+    }
+
+    /// Writes every number of a row of metrics under `phase/name`.
+    ///
+    /// # Errors
+    /// When the disk is full or fails.
+    pub fn push(
+        &mut self,
+        phase: &str,
+        step: u64,
+        row: &Map<String, Value>,
+    ) -> Result<(), WriteError> {
+        // Summary { repeated Value value = 1 }, Value { string tag = 1; float simple_value = 2 }
+        let mut summary = Vec::new();
+        for (name, value) in row.iter().filter(|(name, _)| *name != "step") {
+            if let Some(number) = value.as_f64() {
+                let tag = [field(1, 2), bytes(format!("{phase}/{name}").as_bytes())].concat();
+                let scalar = [field(2, 5), (number as f32).to_le_bytes().to_vec()].concat();
+                summary.extend([field(1, 2), bytes(&[tag, scalar].concat())].concat());
+            }
+        }
+        // Event { double wall_time = 1; int64 step = 2; Summary summary = 5 }
+        let event = [
+            wall_time(),
+            field(2, 0),
+            varint(step),
+            field(5, 2),
+            bytes(&summary),
+        ]
+        .concat();
+        self.record(&event)
+    }
+
+    fn record(&mut self, payload: &[u8]) -> Result<(), WriteError> {
+        let length = (payload.len() as u64).to_le_bytes();
+        let record = [
+            &length[..],
+            &masked_crc32c(&length).to_le_bytes(),
+            payload,
+            &masked_crc32c(payload).to_le_bytes(),
+        ]
+        .concat();
+        self.file
+            .write_all(&record)
+            .map_err(|source| WriteError::at(&self.path, source))
+    }
+}
+
+fn wall_time() -> Vec<u8> {
+    let seconds = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0.0, |d| d.as_secs_f64());
+    [field(1, 1), seconds.to_le_bytes().to_vec()].concat()
+}
+
+/// Protobuf key of a field: its number and wire type.
+fn field(number: u8, wire_type: u8) -> Vec<u8> {
+    vec![number << 3 | wire_type]
+}
+
+fn bytes(content: &[u8]) -> Vec<u8> {
+    [varint(content.len() as u64), content.to_vec()].concat()
+}
+
+fn varint(mut value: u64) -> Vec<u8> {
+    let mut out = Vec::new();
+    while value >= 0x80 {
+        out.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    out.push(value as u8);
+    out
+}
+
+fn masked_crc32c(data: &[u8]) -> u32 {
+    let mut crc = !0u32;
+    for &byte in data {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = crc >> 1 ^ if crc & 1 == 1 { 0x82F6_3B78 } else { 0 };
+        }
+    }
+    (!crc).rotate_right(15).wrapping_add(0xA282_EAD8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checksum_is_crc_32c() {
+        // CRC-32C of "123456789" is 0xE3069283 (RFC 3720, appendix B.4 polynomial).
+        let unmasked = masked_crc32c(b"123456789")
+            .wrapping_sub(0xA282_EAD8)
+            .rotate_left(15);
+        assert_eq!(unmasked, 0xE306_9283);
+    }
+}

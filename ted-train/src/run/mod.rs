@@ -1,0 +1,26 @@
+//! A run on disk: one folder that is enough to go on after a kill and to know what was done.
+//!
+//! ```text
+//! config.toml          the resolved configuration
+//! dataset.json         which dataset: id, digest, path
+//! preferences.jsonl    every query asked and its answer
+//! reward.state         the trained reward ensemble
+//! reward.json          how well it orders the dataset
+//! checkpoints/         the offline learner, the last two
+//! metrics.jsonl        one row every `schedule.log_every` updates
+//! events.out.tfevents… the same for TensorBoard
+//! policy.ted           the artefact
+//! evaluation.json      how it flew
+//! ```
+
+mod checkpoint;
+mod events;
+mod folder;
+mod metrics;
+mod sealed;
+
+pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
+pub use events::EventWriter;
+pub use folder::{DatasetReference, RunError, RunFolder};
+pub use metrics::MetricsLog;
+pub use sealed::SealedError;

@@ -1,0 +1,143 @@
+//! Transition-dependent discounting (paper Eq. 5): full discount on the top k % predicted episodes, sigma times it on
+//! the rest.
+//!
+//! ```text
+//! gamma_hat(s, a) = gamma           if (s, a) is in one of the k % of episodes with the highest predicted return
+//!                   sigma * gamma   otherwise
+//! ```
+//!
+//! The ranking is stable: between equal predicted returns the earlier episode wins. What decides is
+//! [`ted_core::TedDiscount`], the same lookup that the controller uses on an episode it has just flown.
+
+use serde::{Deserialize, Serialize};
+use ted_core::{DiscountError, NEW_EPISODE, ReturnThreshold, TedDiscount};
+
+use crate::dataset::Dataset;
+
+/// The choice of a discount rule.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "rule", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum DiscountConfig {
+    /// The same discount factor everywhere.
+    Constant {
+        /// The factor, in [0, 1].
+        gamma: f32,
+    },
+    /// TED.
+    Ted {
+        /// Discount factor of the top k %, in [0, 1].
+        gamma: f32,
+        /// Share of episodes that keep the full discount factor, in percent.
+        k: f64,
+        /// Factor on the discount of the others, in [0, 1].
+        sigma: f32,
+    },
+}
+
+impl DiscountConfig {
+    /// The paper's TED: k = 70, sigma = 0.7, with IQL's gamma = 0.99.
+    pub const TED: Self = Self::Ted {
+        gamma: 0.99,
+        k: 70.0,
+        sigma: 0.7,
+    };
+    /// IQL's constant discount factor.
+    pub const CONSTANT: Self = Self::Constant { gamma: 0.99 };
+
+    /// The lookup for a dataset with these predicted episode returns; `None` for a constant discount.
+    ///
+    /// # Errors
+    /// When gamma or sigma lie outside [0, 1].
+    pub fn lookup(&self, returns_hat: &[f32]) -> Result<Option<TedDiscount>, DiscountError> {
+        match *self {
+            Self::Constant { .. } => Ok(None),
+            Self::Ted { gamma, k, sigma } => {
+                TedDiscount::new(gamma, sigma, threshold(returns_hat, k)).map(Some)
+            }
+        }
+    }
+
+    /// One discount factor for each transition: 0 after a terminal, which alone stops the bootstrap.
+    #[must_use]
+    pub fn discounts(
+        &self,
+        lookup: Option<&TedDiscount>,
+        dataset: &Dataset,
+        returns_hat: &[f32],
+    ) -> Vec<f32> {
+        let (Self::Constant { gamma } | Self::Ted { gamma, .. }) = *self;
+        let mut discounts = Vec::with_capacity(dataset.step_count());
+        for (index, (episode, &return_hat)) in
+            dataset.episodes().iter().zip(returns_hat).enumerate()
+        {
+            let index = u32::try_from(index).unwrap_or(NEW_EPISODE);
+            let factor = lookup.map_or(gamma, |ted| ted.discount(ted.class(return_hat, index)));
+            let steps = episode.first_step..episode.first_step + episode.len;
+            discounts.extend(
+                dataset.terminations()[steps]
+                    .iter()
+                    .map(|&end| if end { 0.0 } else { factor }),
+            );
+        }
+        discounts
+    }
+}
+
+/// The border of the top `k` percent, rounded to whole episodes.
+fn threshold(returns_hat: &[f32], k: f64) -> ReturnThreshold {
+    let keep = (returns_hat.len() as f64 * k / 100.0).round() as usize;
+    let mut order: Vec<u32> = (0..).take(returns_hat.len()).collect();
+    // Adding zero makes -0.0 the 0.0 that the lookup compares it as.
+    let key = |i: u32| returns_hat[i as usize] + 0.0;
+    order.sort_by(|&i, &j| key(j).total_cmp(&key(i)));
+    match keep
+        .min(order.len())
+        .checked_sub(1)
+        .and_then(|last| order.get(last))
+    {
+        Some(&last) => ReturnThreshold {
+            return_hat: returns_hat[last as usize],
+            last_tied_episode: last,
+        },
+        None => ReturnThreshold::NONE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn in_top(returns_hat: &[f32], k: f64) -> Vec<usize> {
+        let ted = DiscountConfig::Ted {
+            gamma: 1.0,
+            k,
+            sigma: 0.5,
+        };
+        let ted = ted.lookup(returns_hat).unwrap().unwrap();
+        let full = |i: &usize| ted.discount(ted.class(returns_hat[*i], *i as u32)) == 1.0;
+        (0..returns_hat.len()).filter(full).collect()
+    }
+
+    #[test]
+    fn ties_at_the_border_go_to_the_earlier_episode() {
+        let returns_hat = [3.0, 1.0, 2.0, 2.0, 2.0, 0.0];
+        assert_eq!(in_top(&returns_hat, 50.0), [0, 2, 3]);
+    }
+
+    #[test]
+    fn exactly_the_share_k_keeps_its_discount() {
+        let returns_hat: Vec<f32> = (0..200).map(|i| (i * 37 % 50) as f32).collect();
+        for k in [0.0, 0.5, 1.0, 33.0, 70.0, 99.5, 100.0] {
+            assert_eq!(
+                in_top(&returns_hat, k).len(),
+                (2.0 * k).round() as usize,
+                "k = {k}"
+            );
+        }
+    }
+
+    #[test]
+    fn signed_zeros_do_not_change_who_is_in() {
+        assert_eq!(in_top(&[-0.0, 0.0, -0.0, 0.0], 50.0).len(), 2);
+    }
+}

@@ -1,0 +1,106 @@
+//! Phase 4: the offline learner's loop, with metrics, checkpoints and a clean stop.
+
+use firmware_sim::interrupt;
+use firmware_sim::progress::Audience;
+use serde::Serialize;
+
+use crate::config::Config;
+use crate::dataset::Dataset;
+use crate::iql::{Iql, Replay, UpdateMetrics};
+use crate::nn::ExportedMlp;
+use crate::rng::Seed;
+use crate::run::{EventWriter, MetricsLog, RunError, RunFolder};
+
+use super::TrainError;
+
+/// A row of `metrics.jsonl`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct OfflineMetrics {
+    #[serde(flatten)]
+    update: UpdateMetrics,
+    actor_rate: f64,
+}
+
+pub(super) struct LearnedPolicy {
+    pub actor: ExportedMlp,
+    pub shift: Vec<f32>,
+    pub scale: Vec<f32>,
+}
+
+/// Trains to the last step, going on from the newest checkpoint in the folder.
+pub(super) fn learn(
+    dataset: &Dataset,
+    config: &Config,
+    folder: &RunFolder,
+    rewards: Vec<f32>,
+    discounts: Vec<f32>,
+    root: Seed,
+    audience: Audience,
+) -> Result<LearnedPolicy, TrainError> {
+    let replay = Replay::new(dataset, rewards, discounts);
+    let digest = config.digest();
+    let seeds = [root.child("iql")];
+    let mut iql = Iql::new(
+        config.iql.clone(),
+        dataset.observation_dim(),
+        dataset.action_dim(),
+        &seeds,
+        config.backend,
+    );
+    if let Some(checkpoint) =
+        folder.newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
+    {
+        if checkpoint.config_digest == digest {
+            iql.restore(&checkpoint).map_err(RunError::from)?;
+        }
+    }
+    let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;
+    let mut events = EventWriter::create(folder.path(), iql.step())?;
+    let progress = audience.start("learn a policy", config.iql.steps, "updates");
+    progress.resume_at(iql.step());
+
+    let stream = root.child("iql/batch");
+    while iql.step() < config.iql.steps {
+        if interrupt::requested() {
+            folder.save(&iql.checkpoint(digest))?;
+            return Err(TrainError::Interrupted { step: iql.step() });
+        }
+        let losses = iql.update(&replay.batch(stream, iql.step(), config.iql.batch));
+        progress.advance(1);
+        let step = iql.step();
+        let last = step == config.iql.steps;
+        if step % config.schedule.log_every == 0 || last {
+            let update = losses.read();
+            finite(&update, step)?;
+            let row = OfflineMetrics {
+                update,
+                actor_rate: config.iql.actor_rate(step),
+            };
+            let row = metrics.push("iql", step, &row)?;
+            events.push("iql", step, &row)?;
+            progress.message(&format!("value {:.3}", update.value));
+        }
+        if step % config.schedule.checkpoint_every == 0 || last {
+            folder.save(&iql.checkpoint(digest))?;
+        }
+    }
+    progress.finish();
+    let mut actors = iql.actors();
+    Ok(LearnedPolicy {
+        actor: actors.swap_remove(0),
+        shift: replay.shift().to_vec(),
+        scale: replay.scale().to_vec(),
+    })
+}
+
+fn finite(update: &UpdateMetrics, step: u64) -> Result<(), TrainError> {
+    let losses = [
+        ("value", update.value_loss),
+        ("policy", update.policy_loss),
+        ("critic", update.critic_loss),
+    ];
+    match losses.iter().find(|(_, loss)| !loss.is_finite()) {
+        Some(&(network, _)) => Err(TrainError::Diverged { network, step }),
+        None => Ok(()),
+    }
+}
