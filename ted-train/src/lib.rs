@@ -13,5 +13,6 @@ pub mod preferences;
 pub mod reward;
 pub mod rng;
 pub mod run;
+pub mod study;
 pub mod ted;
 pub mod train;

@@ -4,6 +4,7 @@ mod collect;
 mod eval;
 mod failures;
 mod locate;
+mod study;
 mod train;
 
 use clap::{Args, Parser, Subcommand};
@@ -38,6 +39,7 @@ enum Command {
     Collect(collect::CollectArgs),
     Train(train::TrainArgs),
     Eval(eval::EvalArgs),
+    Study(study::StudyArgs),
 }
 
 /// What a command prints, and for whom.
@@ -87,6 +89,7 @@ pub fn run() -> ExitCode {
         Command::Collect(args) => collect::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),
+        Command::Study(args) => study::run(&args),
     });
     match done {
         Ok(()) => ExitCode::Success,

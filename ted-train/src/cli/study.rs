@@ -1,0 +1,72 @@
+//! `ted study`: the measurements behind the defaults.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use firmware_sim::failure::Failure;
+
+use crate::study::reward::{DESIGNS, StudyLog, design_config};
+
+use super::OutputArgs;
+use super::failures::end;
+use super::locate::open_dataset;
+
+const EXAMPLES: &str = "\
+Examples:
+  ted study reward                                     the table of docs/algorithms.md
+  ted study reward --design default --set reward.epochs=400 --seeds 3";
+
+/// Measure what the defaults were chosen by
+#[derive(Debug, Args)]
+pub(super) struct StudyArgs {
+    #[command(subcommand)]
+    study: Study,
+}
+
+#[derive(Debug, Subcommand)]
+enum Study {
+    Reward(RewardArgs),
+}
+
+/// Compare designs of the ten-query reward ensemble, without training policies
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+struct RewardArgs {
+    /// Datasets: folders, Minari ids, or tasks that were collected
+    #[arg(long, value_delimiter = ',', default_value = "drawer-open-v3,box-close-v3,sweep-into-v3")]
+    datasets: Vec<String>,
+    /// Seeds 0 to N - 1
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+    /// Only the designs whose name contains this
+    #[arg(long)]
+    design: Option<String>,
+    /// A field to change in every design, key=value; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Where the cells are kept; a stopped study goes on from there
+    #[arg(long, default_value = "runs/study/reward")]
+    out: PathBuf,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
+    let Study::Reward(args) = &args.study;
+    let wanted = |name: &str| args.design.as_deref().is_none_or(|part| name.contains(part));
+    let designs = DESIGNS
+        .iter()
+        .filter(|(name, _)| wanted(name))
+        .map(|(name, changes)| Ok(((*name).to_owned(), design_config(changes, &args.sets)?)))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|e: crate::config::ConfigError| end(e))?;
+    let mut log = StudyLog::open(&args.out).map_err(end)?;
+    let total = designs.len() as u64 * args.seeds * args.datasets.len() as u64;
+    let progress = args.output.audience().start("measure reward designs", total, "ensembles");
+    for name in &args.datasets {
+        let (dataset, _) = open_dataset(name).map_err(end)?;
+        log.fill(&designs, &dataset, args.seeds, &progress).map_err(end)?;
+    }
+    progress.finish();
+    args.output.print(&log.cells, || log.table(&designs))
+}

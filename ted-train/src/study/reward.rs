@@ -1,0 +1,216 @@
+//! How the design of the ten-query reward ensemble changes what it knows about a dataset.
+//!
+//! Policies cost hours and reward models seconds, so designs are judged by how they order episodes and transitions, over
+//! several tasks and seeds. Each cell of the study is appended to a JSONL file as it is measured; a stopped study goes on.
+
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use firmware_sim::interrupt;
+use firmware_sim::progress::Progress;
+use serde::{Deserialize, Serialize};
+use ted_core::RewardRange;
+
+use crate::config::{Overrides, Preset};
+use crate::dataset::Dataset;
+use crate::disk::{self, WriteError};
+use crate::preferences::{PreferenceLog, ScriptedTeacher};
+use crate::reward::oprl::{ExportedEnsemble, OprlConfig, held_out_agreement, learn};
+use crate::reward::quality::RewardQuality;
+use crate::reward::{Labels, RewardConfig, ensemble_labels};
+use crate::rng::Seed;
+use crate::train::TrainError;
+
+/// The designs that are compared: a name and what it changes of the defaults.
+pub const DESIGNS: [(&str, &[&str]); 10] = [
+    ("default", &[]),
+    ("observation only", &["reward.inputs=observation"]),
+    ("standardised, floor 0.001", &["reward.scaling={kind=\"standard\", floor=0.001}"]),
+    ("standardised, floor 0.05", &["reward.scaling={kind=\"standard\", floor=0.05}"]),
+    ("raw", &["reward.scaling={kind=\"raw\"}"]),
+    ("linear output", &["reward.output=linear"]),
+    ("hidden 64-64", &["reward.hidden=[64, 64]"]),
+    ("hidden 256-256", &["reward.hidden=[256, 256]"]),
+    ("50 epochs", &["reward.epochs=50"]),
+    ("1000 epochs", &["reward.epochs=1000"]),
+];
+
+/// One ensemble: what it was and what it knows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Name of the design.
+    pub design: String,
+    /// Its resolved configuration.
+    pub config: OprlConfig,
+    /// The task.
+    pub task: String,
+    /// The seed.
+    pub seed: u64,
+    /// Share of held-out pairs ordered as the true returns order them.
+    pub held_out: f64,
+    /// Agreement with the dataset's own rewards.
+    pub quality: RewardQuality,
+}
+
+/// Measures one design on one dataset with one seed.
+///
+/// # Errors
+/// When the ensemble cannot be learned or the preference log not be written.
+pub fn measure(
+    design: &str,
+    config: &OprlConfig,
+    dataset: &Dataset,
+    seed: u64,
+    log: &Path,
+) -> Result<Cell, TrainError> {
+    let failed = |e| TrainError::Learn(e);
+    let root = Seed::root(seed).child("reward");
+    let mut log = PreferenceLog::open(log, dataset).map_err(|e| failed(e.into()))?;
+    let mut teacher = ScriptedTeacher::new(0.0).map_err(|e| failed(e.into()))?;
+    let learned = learn(config, dataset, &mut teacher, &mut log, root, crate::nn::Backend::Flex).map_err(failed)?;
+    let held_out = held_out_agreement(config, &learned.ensemble, dataset, root).map_err(|e| failed(e.into()))?;
+    let exported = ExportedEnsemble::new(&learned.ensemble);
+    let raw = exported
+        .view(RewardRange { low: 0.0, high: 1.0 })
+        .and_then(|view| ensemble_labels(dataset, &view))
+        .map_err(crate::export::ExportError::from)?;
+    Ok(Cell {
+        design: design.to_owned(),
+        config: config.clone(),
+        task: dataset.task().unwrap_or("unknown").to_owned(),
+        seed,
+        held_out: held_out.agreement,
+        quality: RewardQuality::measure(dataset, &Labels::unit(raw)),
+    })
+}
+
+/// The configuration of a design, with what the person set on top.
+///
+/// # Errors
+/// When a `--set` is not valid for a reward ensemble.
+pub fn design_config(changes: &[&str], sets: &[String]) -> Result<OprlConfig, crate::config::ConfigError> {
+    let all = sets.iter().map(String::as_str).chain(changes.iter().copied());
+    let overrides = all.into_iter().try_fold(Overrides::default(), |overrides, set| overrides.set(set))?;
+    match overrides.resolve(Preset::OprlI, 0)?.reward {
+        RewardConfig::Oprl(config) => Ok(config),
+        _ => Err(crate::config::ConfigError::Override { argument: "reward.source".to_owned() }),
+    }
+}
+
+/// The file of a study, with the cells it already holds.
+pub struct StudyLog {
+    folder: PathBuf,
+    /// Cells measured so far.
+    pub cells: Vec<Cell>,
+}
+
+impl StudyLog {
+    /// Opens the log of a folder or begins one; a torn last line is measured again.
+    ///
+    /// # Errors
+    /// When the folder cannot be made.
+    pub fn open(folder: &Path) -> Result<Self, WriteError> {
+        disk::create_folder(folder)?;
+        let text = std::fs::read_to_string(folder.join("cells.jsonl")).unwrap_or_default();
+        let cells: Vec<Cell> = text.lines().map_while(|line| serde_json::from_str(line).ok()).collect();
+        let mut log = Self { folder: folder.to_path_buf(), cells: Vec::new() };
+        disk::replace(&log.path(), b"")?;
+        for cell in cells {
+            log.push(cell)?;
+        }
+        Ok(log)
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.join("cells.jsonl")
+    }
+
+    fn push(&mut self, cell: Cell) -> Result<(), WriteError> {
+        let path = self.path();
+        let line = serde_json::to_string(&cell).expect("a cell is plain data") + "\n";
+        OpenOptions::new()
+            .append(true)
+            .open(&path)
+            .and_then(|mut file| file.write_all(line.as_bytes()))
+            .map_err(|source| WriteError::at(&path, source))?;
+        self.cells.push(cell);
+        Ok(())
+    }
+
+    /// Measures what is missing of designs x seeds on one dataset.
+    ///
+    /// # Errors
+    /// When a measurement fails or is interrupted; what was measured is kept.
+    pub fn fill(
+        &mut self,
+        designs: &[(String, OprlConfig)],
+        dataset: &Dataset,
+        seeds: u64,
+        progress: &Progress,
+    ) -> Result<(), TrainError> {
+        let task = dataset.task().unwrap_or("unknown").to_owned();
+        for (design, config) in designs {
+            for seed in 0..seeds {
+                if interrupt::requested() {
+                    return Err(TrainError::Interrupted { step: seed });
+                }
+                let known = |c: &Cell| c.config == *config && c.task == task && c.seed == seed && c.design == *design;
+                if !self.cells.iter().any(known) {
+                    let folder = self.folder.join(&task).join(design.replace([' ', ','], "-"));
+                    disk::create_folder(&folder)?;
+                    let log = folder.join(format!("seed-{seed}.jsonl"));
+                    // Questions of a half-measured cell are asked again: they depend on nothing else.
+                    std::fs::remove_file(&log).or_else(|e| match e.kind() {
+                        std::io::ErrorKind::NotFound => Ok(()),
+                        _ => Err(WriteError::at(&log, e)),
+                    })?;
+                    self.push(measure(design, config, dataset, seed, &log)?)?;
+                }
+                progress.advance(1);
+            }
+        }
+        Ok(())
+    }
+
+    /// The table of the docs: mean and standard deviation over seeds, a row for each design and task.
+    #[must_use]
+    pub fn table(&self, designs: &[(String, OprlConfig)]) -> String {
+        let mut rows = vec![
+            "| design | task | Spearman | low third | high third | transition Pearson | best 5 % kept | top 10 % lift | held-out pairs |".to_owned(),
+            "|---|---|---|---|---|---|---|---|---|".to_owned(),
+        ];
+        for (design, config) in designs {
+            let mut tasks: BTreeMap<&str, Vec<&Cell>> = BTreeMap::new();
+            for cell in self.cells.iter().filter(|c| c.design == *design && c.config == *config) {
+                tasks.entry(&cell.task).or_default().push(cell);
+            }
+            for (task, cells) in tasks {
+                let column = |value: fn(&Cell) -> f64| {
+                    let (mean, sd) = mean_sd(&cells.iter().map(|c| value(c)).collect::<Vec<_>>());
+                    format!("{mean:+.2} ± {sd:.2}")
+                };
+                let columns = [
+                    column(|c| c.quality.spearman),
+                    column(|c| c.quality.spearman_low_third),
+                    column(|c| c.quality.spearman_high_third),
+                    column(|c| c.quality.transition_pearson),
+                    column(|c| c.quality.best_kept),
+                    column(|c| c.quality.top_decile_lift),
+                    column(|c| c.held_out),
+                ];
+                rows.push(format!("| {design} | {task} | {} |", columns.join(" | ")));
+            }
+        }
+        rows.join("\n")
+    }
+}
+
+/// Mean and sample standard deviation.
+fn mean_sd(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    (mean, variance.sqrt())
+}
