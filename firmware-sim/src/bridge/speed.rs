@@ -18,10 +18,8 @@ const ROUNDS: usize = 5;
 pub struct Speed {
     /// Through the bridge, one request per step.
     pub bridge: Duration,
-    /// Inside a Python process, the environment that the worker steps.
+    /// Inside a Python process, with `gym.make("Meta-World/MT1")`.
     pub in_process: Duration,
-    /// Inside a Python process, `gym.make("Meta-World/MT1")` with its wrappers.
-    pub gym_make: Duration,
 }
 
 impl Speed {
@@ -40,12 +38,11 @@ pub fn measure(environment: &Environment, task: &str, steps: u32) -> Result<Spee
     let mut speed = Speed {
         bridge: Duration::MAX,
         in_process: Duration::MAX,
-        gym_make: Duration::MAX,
     };
     for _ in 0..ROUNDS {
-        let (in_process, gym_make) = without_bridge(environment, task, steps)?;
-        speed.in_process = speed.in_process.min(in_process);
-        speed.gym_make = speed.gym_make.min(gym_make);
+        speed.in_process = speed
+            .in_process
+            .min(without_bridge(environment, task, steps)?);
         speed.bridge = speed.bridge.min(through_bridge(environment, task, steps)?);
     }
     Ok(speed)
@@ -76,7 +73,7 @@ fn without_bridge(
     environment: &Environment,
     task: &str,
     steps: u32,
-) -> Result<(Duration, Duration), BridgeError> {
+) -> Result<Duration, BridgeError> {
     let python = environment.python();
     let spawn_error = |source| BridgeError::Spawn {
         python: python.to_owned(),
@@ -91,16 +88,10 @@ fn without_bridge(
         .output()
         .map_err(spawn_error)?;
     let answer = String::from_utf8_lossy(&output.stdout);
-    let mut seconds = answer
-        .split_whitespace()
-        .map_while(|number| number.parse().ok());
-    match (seconds.next(), seconds.next()) {
-        (Some(in_process), Some(gym_make)) => Ok((
-            Duration::from_secs_f64(in_process),
-            Duration::from_secs_f64(gym_make),
-        )),
-        _ => Err(spawn_error(std::io::Error::other(
-            String::from_utf8_lossy(&output.stderr).trim().to_owned(),
-        ))),
-    }
+    let seconds = answer.trim().parse().ok();
+    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration.ok_or_else(|| {
+        let words = String::from_utf8_lossy(&output.stderr);
+        spawn_error(std::io::Error::other(words.trim().to_owned()))
+    })
 }

@@ -1,12 +1,16 @@
 //! Setting up the environment when it cannot work: named errors, and nothing of anyone else's is touched.
 
 use std::env;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Stdio};
 
 use firmware_sim::bridge::environment::{PYTHON_VARIABLE, VENV_VARIABLE, diagnose, ensure};
 use firmware_sim::progress::Audience;
+
+use crate::fake::{bridge, python};
 
 const PART: &str = "TED_TEST_SETUP_PART";
 
@@ -19,6 +23,10 @@ fn sets_up_when_a_test_asks_for_it() {
             eprintln!("failed to {error}");
             error.exit_code().exit();
         }
+        Ok("wait") => {
+            let environment = ensure(Audience::Log).expect("another process has installed it");
+            assert!(environment.worker().exists());
+        }
         Ok("diagnose") => {
             for check in diagnose() {
                 eprintln!("{}: {:?}", check.name, check.outcome);
@@ -29,7 +37,18 @@ fn sets_up_when_a_test_asks_for_it() {
 }
 
 fn run(part: &str, venv: &Path, python: &str) -> (Option<i32>, String) {
-    let output: Output = Command::new(env::current_exe().expect("this program"))
+    let output = command(part, venv, python)
+        .output()
+        .expect("the process runs");
+    (
+        output.status.code(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+fn command(part: &str, venv: &Path, python: &str) -> Command {
+    let mut command = Command::new(env::current_exe().expect("this program"));
+    command
         .args([
             "--exact",
             "setup::sets_up_when_a_test_asks_for_it",
@@ -43,12 +62,8 @@ fn run(part: &str, venv: &Path, python: &str) -> (Option<i32>, String) {
         .env("PIP_NO_CACHE_DIR", "1")
         .env("PIP_FIND_LINKS", "")
         .env("PIP_RETRIES", "0")
-        .output()
-        .expect("the process runs");
-    (
-        output.status.code(),
-        String::from_utf8_lossy(&output.stderr).into_owned(),
-    )
+        .stdout(Stdio::null());
+    command
 }
 
 #[test]
@@ -105,4 +120,47 @@ fn the_doctor_names_what_is_missing_and_installs_nothing() {
     let (_, words) = run("diagnose", &venv, "python3");
     assert!(words.contains("package registry: Err"), "{words}");
     assert!(!venv.exists());
+}
+
+#[test]
+fn a_second_installer_waits_for_the_first_and_uses_what_it_made() {
+    let made = ensure(Audience::Log).expect("an environment to copy from");
+    let folder = tempfile::tempdir().expect("a folder");
+    let venv = folder.path().join("venv");
+    let lock = File::create(venv.with_extension("lock")).expect("the lock file");
+    lock.lock().expect("nobody else has it");
+
+    let mut second = command("wait", &venv, "python3")
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut words = BufReader::new(second.stderr.take().expect("a pipe"))
+        .lines()
+        .map_while(Result::ok);
+    assert!(words.any(|line| line.contains("waiting for another process")));
+
+    // What the first installer leaves: an interpreter, and the stamp as the very last thing.
+    let bin = venv.join("bin");
+    fs::create_dir_all(&bin).expect("a folder");
+    fs::write(bin.join("python"), "").expect("it is written");
+    let stamp = "ted-environment";
+    fs::copy(made.scratch().join(stamp), venv.join(stamp)).expect("it is copied");
+    drop(lock);
+    let rest: Vec<_> = words.collect();
+    assert!(second.wait().expect("it ends").success(), "{rest:?}");
+}
+
+#[test]
+fn an_installation_ends_with_its_parent() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut step = Command::new(python())
+        .arg("-Es")
+        .arg(bridge().join("install.py"))
+        .args(["venv".as_ref(), folder.path().join("venv").as_os_str()])
+        .stdin(Stdio::piped())
+        .process_group(0)
+        .spawn()
+        .expect("it starts");
+    drop(step.stdin.take());
+    assert_eq!(step.wait().expect("it ends").signal(), Some(9));
 }

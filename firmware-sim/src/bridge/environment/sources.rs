@@ -23,11 +23,12 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 11] = carried!(
+const FILES: [(&str, &str); 12] = carried!(
     "collect.py",
     "install.py",
     "messages.py",
     "parent.py",
+    "quick.py",
     "requirements.lock",
     "session.py",
     "snapshot.py",
@@ -120,7 +121,7 @@ mod tests {
         let venv = tempfile::tempdir()?;
         let first = write(venv.path())?;
         assert_eq!(write(venv.path())?, first);
-        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[10].1);
+        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[11].1);
         assert_eq!(fs::read_dir(venv.path())?.count(), 1);
         Ok(())
     }
