@@ -70,6 +70,6 @@ mod tests {
         let _: u64 = earlier.random();
         let (a, b): (u64, u64) = (stream.rng_at(2).random(), stream.rng_at(2).random());
         assert_eq!(a, b);
-        assert_ne!(a, stream.rng_at(3).random());
+        assert_ne!(a, stream.rng_at(3).random::<u64>());
     }
 }
