@@ -13,6 +13,7 @@ use crate::export::ExportError;
 use crate::preferences::PreferenceError;
 use crate::reward::oprl::LearnError;
 use crate::run::RunError;
+use crate::study::policies::StudyError;
 use crate::train::TrainError;
 
 /// An error that knows how a command ends because of it.
@@ -90,7 +91,9 @@ impl Ends for TrainError {
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Learn(LearnError::Preference(error)) => error.exit_code(),
-            Self::Learn(LearnError::Segment(_)) | Self::Discount(_) => ExitCode::BadInput,
+            Self::Learn(LearnError::Segment(_)) | Self::Discount(_) | Self::NotFinished { .. } => {
+                ExitCode::BadInput
+            }
             Self::Export(error) => error.exit_code(),
             Self::Diverged { .. } => ExitCode::Failure,
             Self::Interrupted { .. } => ExitCode::Interrupted,
@@ -104,6 +107,17 @@ impl Ends for EvaluateError {
             Self::Load(_) | Self::Artifact(_) => ExitCode::BadInput,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),
+        }
+    }
+}
+
+impl Ends for StudyError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Config(error) => error.exit_code(),
+            Self::Write(error) => error.exit_code(),
+            Self::Start(_) | Self::Failed { .. } => ExitCode::Failure,
+            Self::Interrupted => ExitCode::Interrupted,
         }
     }
 }

@@ -1,18 +1,21 @@
 //! The four phases of a run: learn a reward, label the data, set the discounts, learn a policy; then export it.
 
+mod finished;
 mod offline;
 mod rewards;
 
+pub use finished::{FinishedRun, last_checkpoint};
 pub use offline::OfflineMetrics;
 pub use rewards::RewardReport;
 
+use std::path::PathBuf;
+
 use firmware_sim::progress::Audience;
-use ted_policy::Digest;
 
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::disk::{self, WriteError};
-use crate::export::{Export, ExportError, artefact};
+use crate::export::ExportError;
 use crate::preferences::Teacher;
 use crate::reward::oprl::LearnError;
 use crate::rng::Seed;
@@ -46,6 +49,18 @@ pub enum TrainError {
         /// Updates made.
         step: u64,
     },
+    /// There is nothing to export yet.
+    #[error(
+        "the run in {folder} has made {step} of {steps} updates: finish it with the same `ted train` command"
+    )]
+    NotFinished {
+        /// The run's folder.
+        folder: PathBuf,
+        /// Updates made and saved.
+        step: u64,
+        /// Updates that the configuration asks for.
+        steps: u64,
+    },
     /// Somebody asked to stop.
     #[error("stopped after {step} updates; the same command goes on from there")]
     Interrupted {
@@ -78,30 +93,22 @@ pub fn train(
         .discounts(ted.as_ref(), dataset, &returns_hat);
 
     // Phase 4: a policy.
-    let range = rewards.labels.range;
-    let learned = offline::learn(
+    let policy = offline::learn(
         dataset,
         config,
         folder,
-        rewards.labels.rewards,
+        rewards.labels.rewards.clone(),
         discounts,
         root,
         audience,
     )?;
 
-    let bytes = artefact(&Export {
-        dataset,
-        shift: &learned.shift,
-        scale: &learned.scale,
-        actor: &learned.actor,
-        reward: rewards.ensemble.as_ref().map(|ensemble| (ensemble, range)),
+    let run = FinishedRun {
+        config: config.clone(),
+        policy,
+        rewards,
         ted,
-        preset: config.preset.name(),
-        seed: config.seed,
-        steps: config.iql.steps,
-        config_digest: Digest(config.digest()),
-        preferences_digest: rewards.preferences_digest,
-    })?;
-    disk::replace(&folder.artefact_path(), &bytes)?;
+    };
+    disk::replace(&folder.artefact_path(), &run.artefact(dataset)?)?;
     Ok(())
 }

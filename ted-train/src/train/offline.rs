@@ -27,6 +27,17 @@ pub(super) struct LearnedPolicy {
     pub scale: Vec<f32>,
 }
 
+impl LearnedPolicy {
+    /// The actor of the first lane, and the standardisation that its inputs need.
+    pub(super) fn new(iql: &Iql, replay: &Replay<'_>) -> Self {
+        Self {
+            actor: iql.actors().swap_remove(0),
+            shift: replay.shift().to_vec(),
+            scale: replay.scale().to_vec(),
+        }
+    }
+}
+
 /// Trains to the last step, going on from the newest checkpoint in the folder.
 pub(super) fn learn(
     dataset: &Dataset,
@@ -85,12 +96,7 @@ pub(super) fn learn(
         }
     }
     progress.finish();
-    let mut actors = iql.actors();
-    Ok(LearnedPolicy {
-        actor: actors.swap_remove(0),
-        shift: replay.shift().to_vec(),
-        scale: replay.scale().to_vec(),
-    })
+    Ok(LearnedPolicy::new(&iql, &replay))
 }
 
 fn finite(update: &UpdateMetrics, step: u64) -> Result<(), TrainError> {

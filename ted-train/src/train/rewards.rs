@@ -17,7 +17,7 @@ use crate::reward::{
     Labels, RewardConfig, dataset_labels, ensemble_labels, random_labels, zero_labels,
 };
 use crate::rng::Seed;
-use crate::run::RunFolder;
+use crate::run::{RunError, RunFolder};
 
 use super::TrainError;
 
@@ -40,6 +40,9 @@ pub struct RewardReport {
     pub quality: RewardQuality,
 }
 
+/// The file of the trained ensemble.
+const STATE: &str = "reward.state";
+
 pub(super) struct Rewards {
     pub labels: Labels,
     pub ensemble: Option<ExportedEnsemble>,
@@ -55,53 +58,81 @@ pub(super) fn rewards(
     root: Seed,
     audience: Audience,
 ) -> Result<Rewards, TrainError> {
-    let mut report = None;
-    let mut ensemble = None;
-    let raw = match &config.reward {
-        RewardConfig::True {} => dataset_labels(dataset),
-        RewardConfig::Zero {} => zero_labels(dataset),
-        RewardConfig::Random {} => random_labels(dataset, root.child("reward/random")),
-        RewardConfig::Oprl(oprl) => {
-            let (trained, facts) =
-                ensemble_of(oprl, dataset, config, folder, teacher, root, audience)?;
+    let learned = match &config.reward {
+        RewardConfig::Oprl(oprl) => Some(ensemble_of(
+            oprl, dataset, config, folder, teacher, root, audience,
+        )?),
+        _ => None,
+    };
+    let (rewards, facts) = label(dataset, config, learned, root, audience)?;
+    let report = RewardReport {
+        queries: facts.queries,
+        fits: facts.fits,
+        held_out: facts.held_out,
+        preferences_digest: facts.preferences_digest,
+        low: rewards.labels.range.low,
+        high: rewards.labels.range.high,
+        quality: RewardQuality::measure(dataset, &rewards.labels),
+    };
+    folder.write_json("reward.json", &report)?;
+    Ok(rewards)
+}
+
+/// Rewards of every transition once more, from the ensemble that the folder of a finished run holds.
+pub(super) fn relabel(
+    dataset: &Dataset,
+    config: &Config,
+    folder: &RunFolder,
+    audience: Audience,
+) -> Result<Rewards, TrainError> {
+    let learned = match &config.reward {
+        RewardConfig::Oprl(_) => Some(folder.read_state(STATE).map_err(RunError::from)?),
+        _ => None,
+    };
+    let (rewards, _) = label(dataset, config, learned, Seed::root(config.seed), audience)?;
+    Ok(rewards)
+}
+
+/// Labels the dataset with the ensemble if there is one, and as the configuration says otherwise.
+fn label(
+    dataset: &Dataset,
+    config: &Config,
+    learned: Option<(ExportedEnsemble, EnsembleFacts)>,
+    root: Seed,
+    audience: Audience,
+) -> Result<(Rewards, EnsembleFacts), TrainError> {
+    let (ensemble, facts) = learned.unzip();
+    let raw = match (&config.reward, &ensemble) {
+        (RewardConfig::Random {}, _) => random_labels(dataset, root.child("reward/random")),
+        (RewardConfig::Oprl(_), Some(ensemble)) => {
             audience.note("label the dataset with the ensemble");
-            let raw = trained
+            ensemble
                 .view(RewardRange {
                     low: 0.0,
                     high: 1.0,
                 })
                 .and_then(|view| ensemble_labels(dataset, &view))
-                .map_err(ExportError::from)?;
-            ensemble = Some(trained);
-            report = Some(facts);
-            raw
+                .map_err(ExportError::from)?
         }
+        (RewardConfig::Zero {}, _) => zero_labels(dataset),
+        _ => dataset_labels(dataset),
     };
     let labels = if config.unit_rewards {
         Labels::unit(raw)
     } else {
         Labels::raw(raw)
     };
-    let facts = report.unwrap_or_default();
+    let facts = facts.unwrap_or_default();
     let preferences_digest = facts
         .preferences_digest
         .as_deref()
         .and_then(|digest| digest.parse().ok());
-    let report = RewardReport {
-        queries: facts.queries,
-        fits: facts.fits,
-        held_out: facts.held_out,
-        preferences_digest: facts.preferences_digest,
-        low: labels.range.low,
-        high: labels.range.high,
-        quality: RewardQuality::measure(dataset, &labels),
-    };
-    folder.write_json("reward.json", &report)?;
-    Ok(Rewards {
+    let rewards = Rewards {
         labels,
         ensemble,
         preferences_digest,
-    })
+    };
+    Ok((rewards, facts))
 }
 
 /// What is known about an ensemble besides its weights.
@@ -123,7 +154,6 @@ fn ensemble_of(
     root: Seed,
     audience: Audience,
 ) -> Result<(ExportedEnsemble, EnsembleFacts), TrainError> {
-    const STATE: &str = "reward.state";
     if folder.file(STATE).exists() {
         match folder.read_state(STATE) {
             Ok(state) => return Ok(state),

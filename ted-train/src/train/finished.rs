@@ -1,0 +1,149 @@
+//! What a finished run learned: made at the end of training, or read back from the run's folder.
+
+use firmware_sim::progress::Audience;
+use ted_core::{RewardRange, TedDiscount};
+use ted_policy::Digest;
+
+use crate::config::Config;
+use crate::dataset::Dataset;
+use crate::export::{Export, ExportError, artefact};
+use crate::iql::{Iql, Replay};
+use crate::nn::ExportedMlp;
+use crate::reward::Labels;
+use crate::reward::oprl::ExportedEnsemble;
+use crate::rng::Seed;
+use crate::run::{Checkpoint, RunError, RunFolder};
+
+use super::TrainError;
+use super::offline::LearnedPolicy;
+use super::rewards::{self, Rewards};
+
+/// Everything that the artefact of a run is made from.
+pub struct FinishedRun {
+    pub(super) config: Config,
+    pub(super) policy: LearnedPolicy,
+    pub(super) rewards: Rewards,
+    pub(super) ted: Option<TedDiscount>,
+}
+
+impl FinishedRun {
+    /// Reads a run back from its folder: the last checkpoint and the reward ensemble. The dataset, which must be the one it
+    /// was trained on, is labelled again.
+    ///
+    /// # Errors
+    /// When the run has not made all of its updates, or one of its files cannot be used.
+    pub fn read(
+        folder: &RunFolder,
+        dataset: &Dataset,
+        audience: Audience,
+    ) -> Result<Self, TrainError> {
+        let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
+        let checkpoint = last_checkpoint(folder, &config, audience)?;
+        let mut iql = Iql::new(
+            config.iql.clone(),
+            dataset.observation_dim(),
+            dataset.action_dim(),
+            &[Seed::root(config.seed).child("iql")],
+            config.backend,
+        );
+        iql.restore(&checkpoint).map_err(RunError::from)?;
+        let rewards = rewards::relabel(dataset, &config, folder, audience)?;
+        let ted = config
+            .discount
+            .lookup(&rewards.labels.episode_returns(dataset))?;
+        let replay = Replay::new(dataset, Vec::new(), Vec::new());
+        let policy = LearnedPolicy::new(&iql, &replay);
+        Ok(Self {
+            config,
+            policy,
+            rewards,
+            ted,
+        })
+    }
+
+    /// The bytes of its artefact.
+    ///
+    /// # Errors
+    /// When the controller could not run it, or a weight is not finite.
+    pub fn artefact(&self, dataset: &Dataset) -> Result<Vec<u8>, ExportError> {
+        artefact(&Export {
+            dataset,
+            shift: self.shift(),
+            scale: self.scale(),
+            actor: self.actor(),
+            reward: self.reward(),
+            ted: self.ted,
+            preset: self.config.preset.name(),
+            seed: self.config.seed,
+            steps: self.config.iql.steps,
+            config_digest: Digest(self.config.digest()),
+            preferences_digest: self.rewards.preferences_digest,
+        })
+    }
+
+    /// Its configuration.
+    #[must_use]
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The actor.
+    #[must_use]
+    pub fn actor(&self) -> &ExportedMlp {
+        &self.policy.actor
+    }
+
+    /// Mean of each observation channel: subtracted first.
+    #[must_use]
+    pub fn shift(&self) -> &[f32] {
+        &self.policy.shift
+    }
+
+    /// Inverse deviation of each observation channel: multiplied then.
+    #[must_use]
+    pub fn scale(&self) -> &[f32] {
+        &self.policy.scale
+    }
+
+    /// The rewards that the policy was trained on.
+    #[must_use]
+    pub fn labels(&self) -> &Labels {
+        &self.rewards.labels
+    }
+
+    /// The reward ensemble and its range, if the run learned one.
+    #[must_use]
+    pub fn reward(&self) -> Option<(&ExportedEnsemble, RewardRange)> {
+        let ensemble = self.rewards.ensemble.as_ref()?;
+        Some((ensemble, self.rewards.labels.range))
+    }
+
+    /// TED's lookup, if the run used it.
+    #[must_use]
+    pub fn ted(&self) -> Option<TedDiscount> {
+        self.ted
+    }
+}
+
+/// The checkpoint after the last update of a run.
+///
+/// # Errors
+/// When there is none.
+pub fn last_checkpoint(
+    folder: &RunFolder,
+    config: &Config,
+    audience: Audience,
+) -> Result<Checkpoint, TrainError> {
+    let newest = folder
+        .newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
+        .filter(|checkpoint| checkpoint.config_digest == config.digest());
+    let step = newest.as_ref().map_or(0, |checkpoint| checkpoint.step);
+    let steps = config.iql.steps;
+    newest
+        .filter(|checkpoint| checkpoint.step == steps)
+        .ok_or_else(|| TrainError::NotFinished {
+            folder: folder.path().to_path_buf(),
+            step,
+            steps,
+        })
+}
