@@ -1,7 +1,5 @@
 //! The controller loop, the plants it can drive, and the bridge to MuJoCo Meta-World.
-//!
-//! The controller is `no_std`: the same code flies on the host and on a Cortex-M. Plants, rollouts and the command line
-//! need the `std` feature.
+#![cfg_attr(feature = "std", doc = include_str!("../README.md"))]
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 

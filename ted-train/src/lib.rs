@@ -1,4 +1,5 @@
 //! Preferences to policies: datasets, reward ensembles, TED, offline RL, evaluation, export, and the `ted` command.
+#![doc = include_str!("../README.md")]
 
 pub mod cli;
 pub mod collect;
