@@ -7,8 +7,14 @@
 
 mod adam;
 mod export;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod init;
 mod mlp;
+#[cfg(test)]
+pub(crate) mod scalar;
+#[cfg(test)]
+mod tests;
 
 pub use adam::{Adam, AdamState, Moments};
 pub use export::{ExportedLayer, ExportedMlp};
@@ -30,6 +36,10 @@ impl Backend {
     pub(crate) fn device(self) -> burn::tensor::Device {
         match self {
             Self::Flex => burn::tensor::Device::flex(),
+            #[expect(
+                deprecated,
+                reason = "upstream favours flex; a second opinion has to come from elsewhere"
+            )]
             Self::Ndarray => burn::tensor::Device::ndarray(),
         }
     }

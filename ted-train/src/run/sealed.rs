@@ -76,7 +76,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("state");
         let bytes = seal(&(7u64, vec![1.5f32, -2.5]));
-        let mut refused = |bytes: &[u8]| {
+        let refused = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
             matches!(
                 read::<(u64, Vec<f32>)>(&path),
