@@ -87,6 +87,24 @@ class Episodes(unittest.TestCase):
                 self.compare_with_package(packaged(name, fresh.goal.copy()), fresh)
         self.assertGreater(len(moved), len(TASKS) // 2, "most tasks move something in the model: there is a trace to remove")
 
+    def test_forgets_whatever_was_changed(self):
+        task = Task("hammer-v3")
+        untouched = model_digest(task)
+        fresh = collect(task, SEED, STEPS, NOISE, EPSILON)
+        model, env = task.env.model, task.env
+        model.body_pos += 0.01
+        model.geom_friction *= 2
+        model.eq_data[:] = 0
+        env.hand_init_pos[:] = 0
+        env.init_config["hand_init_pos"][:] = 1
+        env.obj_init_pos = None
+        env.never_seen_before = True
+        env._last_stable_obs = "nonsense"
+        self.assert_same(collect(task, SEED, STEPS, NOISE, EPSILON), fresh)
+        task._snapshot.restore()
+        self.assertEqual(model_digest(task), untouched)
+        self.assertFalse(hasattr(env, "never_seen_before"))
+
     def compare_with_package(self, env, record):
         observation, _ = env.reset()
         np.testing.assert_array_equal(observation.astype("f4"), record.observations[0])
