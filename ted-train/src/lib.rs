@@ -4,6 +4,7 @@
 pub mod cli;
 pub mod collect;
 pub mod config;
+pub mod crosscheck;
 pub mod dataset;
 mod disk;
 pub mod evaluate;
@@ -16,4 +17,5 @@ pub mod rng;
 pub mod run;
 pub mod study;
 pub mod ted;
+pub mod tolerance;
 pub mod train;

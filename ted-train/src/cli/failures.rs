@@ -6,6 +6,7 @@ use firmware_sim::failure::Failure;
 
 use crate::collect::CollectError;
 use crate::config::ConfigError;
+use crate::crosscheck::CrosscheckError;
 use crate::dataset::DatasetError;
 use crate::disk::WriteError;
 use crate::evaluate::EvaluateError;
@@ -117,6 +118,20 @@ impl Ends for StudyError {
             Self::Config(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Start(_) | Self::Failed { .. } => ExitCode::Failure,
+            Self::Interrupted => ExitCode::Interrupted,
+        }
+    }
+}
+
+impl Ends for CrosscheckError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Run(error) => error.exit_code(),
+            Self::Train(error) => error.exit_code(),
+            Self::Evaluate(error) => error.exit_code(),
+            Self::Load(_) | Self::Artifact(_) | Self::Export(_) | Self::Shape(_) => {
+                ExitCode::BadInput
+            }
             Self::Interrupted => ExitCode::Interrupted,
         }
     }

@@ -2,9 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use firmware_sim::exit::ExitCode;
+use firmware_sim::failure::Failure;
 use firmware_sim::tasks;
 
 use crate::dataset::{Dataset, DatasetError};
+use crate::run::{DatasetReference, RunFolder};
+
+use super::failures::end;
 
 /// The folder that Minari keeps its datasets in: `$MINARI_DATASETS_PATH`, or `~/.minari/datasets`.
 pub(super) fn datasets_root() -> PathBuf {
@@ -24,6 +29,32 @@ pub(super) fn datasets_root() -> PathBuf {
 pub(super) fn open_dataset(name: &str) -> Result<(Dataset, PathBuf), DatasetError> {
     let path = dataset_path(name);
     Ok((Dataset::open(&path)?, path))
+}
+
+/// The dataset that a run was trained on: where the run found it, where Minari keeps it, or where a person says it is now.
+pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Dataset, Failure> {
+    let reference: DatasetReference = folder.read_json("dataset.json").map_err(end)?;
+    let path = match named {
+        Some(named) => dataset_path(named),
+        None if reference.path.exists() => reference.path,
+        None => datasets_root().join(&reference.id),
+    };
+    let dataset = Dataset::open(&path).map_err(end)?;
+    if dataset.digest() == reference.digest {
+        Ok(dataset)
+    } else {
+        Err(Failure::new(
+            ExitCode::BadInput,
+            format_args!(
+                "the run in {} was trained on {} with digest {}, and {} has digest {}: name the right one with --dataset",
+                folder.path().display(),
+                reference.id,
+                reference.digest,
+                path.display(),
+                dataset.digest()
+            ),
+        ))
+    }
 }
 
 fn dataset_path(name: &str) -> PathBuf {

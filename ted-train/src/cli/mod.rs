@@ -1,10 +1,13 @@
 //! The `ted` command line: each command in its own file, each with `--help`, `--json` and exit codes by kind of failure.
 
 mod collect;
+mod crosscheck;
 mod eval;
+mod export;
 mod failures;
 mod locate;
 mod study;
+mod table;
 mod train;
 
 use clap::{Args, Parser, Subcommand};
@@ -39,6 +42,8 @@ enum Command {
     Collect(collect::CollectArgs),
     Train(train::TrainArgs),
     Eval(eval::EvalArgs),
+    Export(export::ExportArgs),
+    Crosscheck(crosscheck::CrosscheckArgs),
     Study(study::StudyArgs),
 }
 
@@ -89,6 +94,8 @@ pub fn run() -> ExitCode {
         Command::Collect(args) => collect::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Study(args) => study::run(&args),
     });
     match done {

@@ -1,0 +1,80 @@
+//! `ted export`: the artefact of a finished run, made again from its state.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use firmware_sim::failure::Failure;
+use serde::Serialize;
+use ted_policy::{Artifact, ArtifactBytes};
+
+use crate::disk;
+use crate::export::ExportError;
+use crate::run::RunFolder;
+use crate::train::FinishedRun;
+
+use super::OutputArgs;
+use super::failures::end;
+use super::locate::dataset_of;
+
+const EXAMPLES: &str = "\
+Examples:
+  ted export runs/drawer-open-v3/oprl-i+ted/seed-0
+  ted export runs/drawer-open-v3/oprl-i+ted/seed-0 --out drawer.ted
+
+The bytes are those that `ted train` wrote: a function of checkpoint, reward ensemble and dataset.";
+
+/// Make the artefact of a finished run again from its checkpoint
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct ExportArgs {
+    /// The run's folder
+    run: PathBuf,
+    /// The file to write; policy.ted in the run's folder if not given
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The dataset, if it is no longer where the run found it
+    #[arg(long)]
+    dataset: Option<String>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// What was written.
+#[derive(Debug, Serialize)]
+struct Exported {
+    file: PathBuf,
+    bytes: usize,
+    crc32: String,
+    /// Whether the file was there already with these bytes.
+    unchanged: bool,
+}
+
+pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
+    let folder = RunFolder::open(&args.run).map_err(end)?;
+    let dataset = dataset_of(&folder, args.dataset.as_deref())?;
+    let finished = FinishedRun::read(&folder, &dataset, args.output.audience()).map_err(end)?;
+    let bytes = finished.artefact(&dataset).map_err(end)?;
+    let file = args.out.clone().unwrap_or_else(|| folder.artefact_path());
+    let unchanged = std::fs::read(&file).is_ok_and(|held| held == bytes);
+    if !unchanged {
+        disk::replace(&file, &bytes).map_err(end)?;
+    }
+    let aligned = ArtifactBytes::from_vec(bytes);
+    let artifact = Artifact::parse(&aligned)
+        .map_err(|error| end(ExportError::Write(ted_policy::WriteError::Refused(error))))?;
+    let exported = Exported {
+        file,
+        bytes: aligned.len(),
+        crc32: format!("{:08x}", artifact.checksum()),
+        unchanged,
+    };
+    args.output.print(&exported, || {
+        format!(
+            "{} {}: {} bytes, CRC-32 {}",
+            if unchanged { "unchanged" } else { "wrote" },
+            exported.file.display(),
+            exported.bytes,
+            exported.crc32
+        )
+    })
+}

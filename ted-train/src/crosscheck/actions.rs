@@ -1,0 +1,117 @@
+//! The same observations through burn flex, burn ndarray and `ted-core`.
+
+use burn::tensor::{Tensor, TensorData};
+use firmware_sim::interrupt;
+use firmware_sim::progress::Audience;
+use rayon::prelude::*;
+use ted_core::{Policy, Scratch};
+
+use crate::config::Config;
+use crate::dataset::Dataset;
+use crate::iql::Iql;
+use crate::nn::Backend;
+use crate::rng::Seed;
+use crate::run::{Checkpoint, RunError};
+
+use super::{CrosscheckError, Distance};
+
+/// Observations that go through the networks at once.
+const CHUNK: usize = 4096;
+
+/// The three differences between three ways to compute an action.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ActionDistances {
+    pub flex_core: Distance,
+    pub ndarray_core: Distance,
+    pub flex_ndarray: Distance,
+}
+
+/// Compares the actions for these rows of the dataset's observations.
+pub(super) fn compare(
+    policy: &Policy<'_>,
+    config: &Config,
+    checkpoint: &Checkpoint,
+    dataset: &Dataset,
+    rows: &[usize],
+    audience: Audience,
+) -> Result<ActionDistances, CrosscheckError> {
+    let flex = BurnActor::new(Backend::Flex, config, checkpoint, dataset)?;
+    let ndarray = BurnActor::new(Backend::Ndarray, config, checkpoint, dataset)?;
+    let width = dataset.observation_dim();
+    let progress = audience.start("compare actions", rows.len() as u64, "observations");
+    let mut all = ActionDistances::default();
+    for chunk in rows.chunks(CHUNK) {
+        if interrupt::requested() {
+            return Err(CrosscheckError::Interrupted);
+        }
+        let raw: Vec<f32> = chunk
+            .iter()
+            .flat_map(|row| &dataset.observations()[row * width..(row + 1) * width])
+            .copied()
+            .collect();
+        let core = core_actions(policy, &raw)?;
+        let standardised = standardise(policy, &raw);
+        let flex = flex.act(standardised.clone(), chunk.len());
+        let ndarray = ndarray.act(standardised, chunk.len());
+        all.flex_core = all.flex_core.and(Distance::between(&flex, &core));
+        all.ndarray_core = all.ndarray_core.and(Distance::between(&ndarray, &core));
+        all.flex_ndarray = all.flex_ndarray.and(Distance::between(&flex, &ndarray));
+        progress.advance(chunk.len() as u64);
+    }
+    progress.finish();
+    Ok(all)
+}
+
+/// What the controller would send, observation by observation.
+fn core_actions(policy: &Policy<'_>, raw: &[f32]) -> Result<Vec<f32>, CrosscheckError> {
+    let mut actions = vec![0.0; raw.len() / policy.observation_dim() * policy.action_dim()];
+    raw.par_chunks(policy.observation_dim())
+        .zip(actions.par_chunks_mut(policy.action_dim()))
+        .try_for_each_init(Scratch::new, |scratch, (observation, action)| {
+            policy.act(observation, scratch, action)
+        })?;
+    Ok(actions)
+}
+
+/// The trainer's arithmetic on a batch, written a second time.
+fn standardise(policy: &Policy<'_>, raw: &[f32]) -> Vec<f32> {
+    let (shift, scale) = (policy.normaliser().shift(), policy.normaliser().scale());
+    raw.chunks_exact(shift.len())
+        .flat_map(|row| row.iter().zip(shift).zip(scale))
+        .map(|((x, shift), scale)| (x - shift) * scale)
+        .collect()
+}
+
+/// The actor of a checkpoint on a burn backend.
+struct BurnActor {
+    iql: Iql,
+}
+
+impl BurnActor {
+    fn new(
+        backend: Backend,
+        config: &Config,
+        checkpoint: &Checkpoint,
+        dataset: &Dataset,
+    ) -> Result<Self, RunError> {
+        let mut iql = Iql::new(
+            config.iql.clone(),
+            dataset.observation_dim(),
+            dataset.action_dim(),
+            &[Seed::root(config.seed)],
+            backend,
+        );
+        iql.restore(checkpoint)?;
+        Ok(Self { iql })
+    }
+
+    fn act(&self, observations: Vec<f32>, rows: usize) -> Vec<f32> {
+        let width = observations.len() / rows;
+        let batch: Tensor<3> = Tensor::from_data(
+            TensorData::new(observations, [1, rows, width]),
+            &self.iql.device,
+        );
+        let actions = self.iql.actor.forward(batch).into_data();
+        actions.try_to_vec().expect("a float tensor holds f32")
+    }
+}

@@ -1,0 +1,115 @@
+//! How far two computations that should agree may be apart: one table for the whole project.
+//!
+//! Exact things come first. Everything that runs on `ted-core` agrees to the bit, on every machine, because the order of its
+//! sums is part of its contract. burn is free to sum in any order and to fuse multiply and add, so against burn there is a
+//! tolerance, and it is absolute: an action is a number in [-1, 1] that is sent to a motor, and where the network's last sum
+//! cancels to nearly zero, a difference of no consequence is thousands of units in the last place.
+
+use serde::Serialize;
+
+/// What is allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Allowed {
+    /// The same bits.
+    Exact,
+    /// At most this far apart.
+    Absolute(f64),
+}
+
+/// One line of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tolerance {
+    /// What is compared.
+    pub what: &'static str,
+    /// How far apart it may be.
+    pub allowed: Allowed,
+}
+
+/// The golden vectors of an artefact, computed again.
+pub const GOLDEN: Tolerance = exact("golden vectors, this machine - the artefact");
+/// The numbers in an artefact and those in the state that it was made from.
+pub const WEIGHTS: Tolerance = exact("weights, artefact - checkpoint");
+/// The artefact made again from a run's state, byte by byte.
+pub const EXPORT: Tolerance = exact("bytes, exported again - the artefact");
+/// Rewards that the artefact's ensemble computes and those that the learner was given.
+pub const LABELS: Tolerance = exact("rewards, artefact - labels of training");
+/// Which episodes keep the full discount factor, by the artefact's threshold and by ranking them.
+pub const CLASSES: Tolerance = exact("TED classes, artefact - ranking");
+/// Returns of the episodes of an evaluation, flown again.
+pub const RETURNS: Tolerance = exact("returns, flown again - evaluation");
+/// Actions of burn's default CPU backend.
+pub const ACTIONS_FLEX: Tolerance = absolute("actions, burn flex - ted-core", 1e-5);
+/// Actions of burn's second CPU backend.
+pub const ACTIONS_NDARRAY: Tolerance = absolute("actions, burn ndarray - ted-core", 1e-5);
+/// Actions of burn's two CPU backends; each may be that far from `ted-core`.
+pub const ACTIONS_BURN: Tolerance = absolute("actions, burn flex - burn ndarray", 2e-5);
+/// Entries of a product of two 64 by 64 matrices in [-1, 1], against double precision.
+pub const MATMUL: Tolerance = absolute("matrix product, burn - double precision", 1e-5);
+
+/// The whole table.
+pub const TABLE: [Tolerance; 10] = [
+    GOLDEN,
+    WEIGHTS,
+    EXPORT,
+    LABELS,
+    CLASSES,
+    RETURNS,
+    ACTIONS_FLEX,
+    ACTIONS_NDARRAY,
+    ACTIONS_BURN,
+    MATMUL,
+];
+
+impl Allowed {
+    /// Whether a largest difference of `absolute`, and `unequal` pairs of different bits, are within it.
+    #[must_use]
+    pub fn holds(self, absolute: f64, unequal: u64) -> bool {
+        match self {
+            Self::Exact => unequal == 0,
+            Self::Absolute(limit) => absolute <= limit,
+        }
+    }
+}
+
+impl std::fmt::Display for Allowed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Exact => f.write_str("same bits"),
+            Self::Absolute(limit) => write!(f, "{limit:e}"),
+        }
+    }
+}
+
+const fn exact(what: &'static str) -> Tolerance {
+    Tolerance {
+        what,
+        allowed: Allowed::Exact,
+    }
+}
+
+const fn absolute(what: &'static str, limit: f64) -> Tolerance {
+    Tolerance {
+        what,
+        allowed: Allowed::Absolute(limit),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_things_come_first_in_the_table() {
+        let exact = TABLE.map(|tolerance| tolerance.allowed == Allowed::Exact);
+        assert!(exact.is_sorted_by(|before, after| before >= after));
+    }
+
+    #[test]
+    fn exact_allows_no_other_bits_and_absolute_allows_its_limit() {
+        assert!(Allowed::Exact.holds(0.0, 0) && !Allowed::Exact.holds(0.0, 1));
+        assert!(Allowed::Absolute(1e-5).holds(1e-5, 9));
+        assert!(!Allowed::Absolute(1e-5).holds(1.1e-5, 9));
+        assert!(!Allowed::Absolute(1e-5).holds(f64::NAN, 1));
+    }
+}
