@@ -26,6 +26,8 @@ mod losses;
 mod networks;
 mod replay;
 mod state;
+#[cfg(test)]
+mod tests;
 mod update;
 
 pub use config::IqlConfig;

@@ -1,0 +1,175 @@
+//! The learner as a whole: schedule, lanes, saving and going on, and the two backends against each other.
+
+use crate::iql::{Iql, IqlConfig};
+use crate::nn::Backend;
+use crate::nn::fixtures::{BACKENDS, assert_close, bits, wide};
+use crate::nn::scalar::flat;
+use crate::run::Checkpoint;
+
+use super::{batch, config, learner};
+
+/// Every number that the learner has, by tensor.
+fn state(iql: &Iql) -> Vec<(String, Vec<f32>)> {
+    let Checkpoint { tensors, .. } = iql.checkpoint([0; 32]);
+    tensors.into_iter().map(|t| (t.name, t.values)).collect()
+}
+
+fn state_bits(iql: &Iql) -> Vec<(String, Vec<u32>)> {
+    let state = state(iql).into_iter();
+    state.map(|(name, values)| (name, bits(&values))).collect()
+}
+
+#[test]
+fn the_actor_s_rate_falls_along_a_cosine_to_zero_and_stays_there() {
+    let config = IqlConfig {
+        learning_rate: 0.5,
+        steps: 1000,
+        ..IqlConfig::default()
+    };
+    assert_eq!(config.actor_rate(0), 0.5);
+    assert!((config.actor_rate(500) - 0.25).abs() < 1e-15);
+    assert_eq!(config.actor_rate(1000), 0.0);
+    assert_eq!(config.actor_rate(5000), 0.0);
+    let rates: Vec<f64> = (0..=1000).map(|step| config.actor_rate(step)).collect();
+    assert!(rates.is_sorted_by(|earlier, later| earlier > later));
+}
+
+#[test]
+fn lanes_side_by_side_learn_to_the_bit_what_each_learns_alone() {
+    for backend in BACKENDS {
+        let mut together = learner(&config(), &[1, 2], backend);
+        let mut alone = [1, 2].map(|seed| learner(&config(), &[seed], backend));
+        for step in 0..10 {
+            together.update(&batch(&[1, 2], step));
+            for (seed, lane) in [1, 2].into_iter().zip(&mut alone) {
+                lane.update(&batch(&[seed], step));
+            }
+        }
+        for (lane, alone) in alone.iter().enumerate() {
+            let equal = |name: &str, there: Vec<f32>, here: Vec<f32>| {
+                assert_eq!(
+                    bits(&there),
+                    bits(&here),
+                    "{backend:?}, {name} of lane {lane}"
+                );
+            };
+            equal(
+                "value",
+                flat(&together.value.layers, lane),
+                flat(&alone.value.layers, 0),
+            );
+            equal(
+                "actor",
+                flat(&together.actor.layers, lane),
+                flat(&alone.actor.layers, 0),
+            );
+            for head in 0..2 {
+                let member = 2 * lane + head;
+                equal(
+                    "critic",
+                    flat(&together.critic.layers, member),
+                    flat(&alone.critic.layers, head),
+                );
+                equal(
+                    "target",
+                    flat(&together.target.layers, member),
+                    flat(&alone.target.layers, head),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_restored_learner_goes_on_to_the_bit() {
+    for backend in BACKENDS {
+        let mut straight = learner(&config(), &[1], backend);
+        for step in 0..5 {
+            straight.update(&batch(&[1], step));
+        }
+        let saved = straight.checkpoint([7; 32]);
+        // Another seed, so that whatever is not restored shows.
+        let mut restored = learner(&config(), &[2], backend);
+        restored.restore(&saved).unwrap();
+        assert_eq!(restored.checkpoint([7; 32]), saved);
+        for step in 5..10 {
+            straight.update(&batch(&[1], step));
+            restored.update(&batch(&[1], step));
+        }
+        assert_eq!(restored.step(), 10);
+        assert_eq!(state_bits(&restored), state_bits(&straight), "{backend:?}");
+    }
+}
+
+#[test]
+fn a_checkpoint_of_another_learner_is_refused_by_the_tensor_it_lacks() {
+    let saved = learner(&config(), &[1], Backend::Flex).checkpoint([0; 32]);
+    let wider = IqlConfig {
+        hidden: vec![5, 7],
+        ..config()
+    };
+    let error = learner(&wider, &[1], Backend::Flex)
+        .restore(&saved)
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("no value/1/weight of shape [1, 5, 7]"),
+        "{error}"
+    );
+
+    let mut without = saved.clone();
+    without
+        .tensors
+        .retain(|t| t.name != "adam/critic/2/bias/second");
+    let error = learner(&config(), &[1], Backend::Flex)
+        .restore(&without)
+        .unwrap_err();
+    assert!(
+        error.to_string().contains("no adam/critic/2/bias/second"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_two_backends_agree_after_fifty_updates() {
+    /// They sum in different orders, and fifty updates at a high rate carry that on.
+    const TOLERANCE: f64 = 1e-4;
+    let [flex, ndarray] = BACKENDS.map(|backend| {
+        let mut iql = learner(&config(), &[1], backend);
+        (0..50).for_each(|step| drop(iql.update(&batch(&[1], step))));
+        state(&iql)
+    });
+    for ((name, flex), (_, ndarray)) in flex.iter().zip(&ndarray) {
+        assert_close(flex, &wide(ndarray), TOLERANCE, name);
+    }
+    let fresh = state(&learner(&config(), &[1], Backend::Flex));
+    assert_ne!(fresh[0], flex[0], "they learned something");
+}
+
+#[test]
+fn the_metrics_are_means_over_the_batch_and_the_lanes() {
+    for backend in BACKENDS {
+        let read = |seeds: &[u64]| {
+            learner(&config(), seeds, backend)
+                .update(&batch(seeds, 0))
+                .read()
+        };
+        let (both, first, second) = (read(&[1, 2]), read(&[1]), read(&[2]));
+        let all = |m: crate::iql::UpdateMetrics| {
+            [
+                m.value_loss,
+                m.policy_loss,
+                m.critic_loss,
+                m.value,
+                m.advantage,
+            ]
+        };
+        let expected: Vec<f64> = wide(&all(first))
+            .iter()
+            .zip(wide(&all(second)))
+            .map(|(a, b)| (a + b) / 2.0)
+            .collect();
+        assert_close(&all(both), &expected, 1e-6, "metrics");
+    }
+}
