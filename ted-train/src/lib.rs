@@ -9,6 +9,7 @@ pub mod dataset;
 mod disk;
 pub mod evaluate;
 pub mod export;
+pub mod inspect;
 pub mod iql;
 pub mod nn;
 pub mod preferences;

@@ -11,6 +11,7 @@ use crate::dataset::DatasetError;
 use crate::disk::WriteError;
 use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
+use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::reward::oprl::LearnError;
 use crate::run::RunError;
@@ -133,6 +134,17 @@ impl Ends for CrosscheckError {
                 ExitCode::BadInput
             }
             Self::Interrupted => ExitCode::Interrupted,
+        }
+    }
+}
+
+impl Ends for InspectError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Run(error) => error.exit_code(),
+            Self::Nothing { .. } | Self::Load(_) | Self::Artifact { .. } | Self::Dataset(_) => {
+                ExitCode::BadInput
+            }
         }
     }
 }

@@ -31,6 +31,15 @@ pub(super) fn open_dataset(name: &str) -> Result<(Dataset, PathBuf), DatasetErro
     Ok((Dataset::open(&path)?, path))
 }
 
+/// The path itself if there is something, and otherwise the dataset that a person may mean by it.
+pub(super) fn existing_or_dataset(path: &Path) -> PathBuf {
+    match path.to_str() {
+        Some(name) if !path.exists() => Some(dataset_path(name)).filter(|path| path.exists()),
+        _ => None,
+    }
+    .unwrap_or_else(|| path.to_path_buf())
+}
+
 /// The dataset that a run was trained on: where the run found it, where Minari keeps it, or where a person says it is now.
 pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Dataset, Failure> {
     let reference: DatasetReference = folder.read_json("dataset.json").map_err(end)?;

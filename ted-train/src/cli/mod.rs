@@ -5,6 +5,7 @@ mod crosscheck;
 mod eval;
 mod export;
 mod failures;
+mod inspect;
 mod locate;
 mod study;
 mod table;
@@ -43,6 +44,7 @@ enum Command {
     Train(train::TrainArgs),
     Eval(eval::EvalArgs),
     Export(export::ExportArgs),
+    Inspect(inspect::InspectArgs),
     Crosscheck(crosscheck::CrosscheckArgs),
     Study(study::StudyArgs),
 }
@@ -95,6 +97,7 @@ pub fn run() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Study(args) => study::run(&args),
     });

@@ -134,9 +134,7 @@ pub fn last_checkpoint(
     config: &Config,
     audience: Audience,
 ) -> Result<Checkpoint, TrainError> {
-    let newest = folder
-        .newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
-        .filter(|checkpoint| checkpoint.config_digest == config.digest());
+    let newest = newest_checkpoint(folder, config, audience);
     let step = newest.as_ref().map_or(0, |checkpoint| checkpoint.step);
     let steps = config.iql.steps;
     newest
@@ -146,4 +144,20 @@ pub fn last_checkpoint(
             step,
             steps,
         })
+}
+
+/// Updates that a run has made and saved.
+#[must_use]
+pub fn newest_step(folder: &RunFolder, config: &Config, audience: Audience) -> u64 {
+    newest_checkpoint(folder, config, audience).map_or(0, |checkpoint| checkpoint.step)
+}
+
+fn newest_checkpoint(
+    folder: &RunFolder,
+    config: &Config,
+    audience: Audience,
+) -> Option<Checkpoint> {
+    folder
+        .newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
+        .filter(|checkpoint| checkpoint.config_digest == config.digest())
 }

@@ -4,7 +4,7 @@ mod finished;
 mod offline;
 mod rewards;
 
-pub use finished::{FinishedRun, last_checkpoint};
+pub use finished::{FinishedRun, last_checkpoint, newest_step};
 pub use offline::OfflineMetrics;
 pub use rewards::RewardReport;
 
