@@ -1,13 +1,17 @@
 //! `ted study`: the measurements behind the defaults.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use firmware_sim::failure::Failure;
 
+use crate::config::Preset;
+use crate::study::policies::{self, PolicyRun};
 use crate::study::reward::{DESIGNS, StudyLog, design_config};
 
 use super::OutputArgs;
+use super::collect::workers;
 use super::failures::end;
 use super::locate::open_dataset;
 
@@ -15,6 +19,12 @@ const EXAMPLES: &str = "\
 Examples:
   ted study reward                                     the table of docs/algorithms.md
   ted study reward --design default --set reward.epochs=400 --seeds 3";
+
+const POLICIES_EXAMPLES: &str = "\
+Examples:
+  ted study policies --set iql.steps=50000
+  ted study policies --presets true --seeds 3 --set iql.steps=100000 --out runs/study/true-100k
+  ted study policies --set iql.steps=50000 --table     what is finished so far";
 
 /// Measure what the defaults were chosen by
 #[derive(Debug, Args)]
@@ -26,6 +36,45 @@ pub(super) struct StudyArgs {
 #[derive(Debug, Subcommand)]
 enum Study {
     Reward(RewardArgs),
+    Policies(PoliciesArgs),
+}
+
+/// Train and fly every combination of task, preset and seed, and print the table of docs/results.md
+#[derive(Debug, Args)]
+#[command(after_help = POLICIES_EXAMPLES)]
+struct PoliciesArgs {
+    /// Datasets: folders, Minari ids, or tasks that were collected
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "drawer-open-v3,box-close-v3"
+    )]
+    datasets: Vec<String>,
+    /// Compositions
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "true,oprl-i,oprl-i+ted"
+    )]
+    presets: Vec<Preset>,
+    /// Seeds 0 to N - 1
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+    /// A field to change in every run, key=value; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Runs at a time; one for each core if not given
+    #[arg(long)]
+    jobs: Option<NonZeroUsize>,
+    /// Where the runs are kept; a stopped study goes on from there
+    #[arg(long, default_value = "runs/study/policies")]
+    out: PathBuf,
+    /// Print the table of what is finished and train nothing
+    #[arg(long)]
+    table: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// Compare designs of the ten-query reward ensemble, without training policies
@@ -33,7 +82,11 @@ enum Study {
 #[command(after_help = EXAMPLES)]
 struct RewardArgs {
     /// Datasets: folders, Minari ids, or tasks that were collected
-    #[arg(long, value_delimiter = ',', default_value = "drawer-open-v3,box-close-v3,sweep-into-v3")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "drawer-open-v3,box-close-v3,sweep-into-v3"
+    )]
     datasets: Vec<String>,
     /// Seeds 0 to N - 1
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
@@ -52,8 +105,42 @@ struct RewardArgs {
 }
 
 pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
-    let Study::Reward(args) = &args.study;
-    let wanted = |name: &str| args.design.as_deref().is_none_or(|part| name.contains(part));
+    match &args.study {
+        Study::Reward(args) => reward(args),
+        Study::Policies(args) => policies(args),
+    }
+}
+
+fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
+    let mut runs = Vec::new();
+    // Seed by seed, so that an unfinished study has something of every row.
+    for seed in 0..args.seeds {
+        for dataset in &args.datasets {
+            runs.extend(args.presets.iter().map(|&preset| PolicyRun {
+                dataset: dataset.clone(),
+                preset,
+                seed,
+            }));
+        }
+    }
+    if !args.table {
+        let progress = args
+            .output
+            .audience()
+            .start("train and fly", runs.len() as u64, "runs");
+        policies::fill(&args.out, &runs, &args.sets, workers(args.jobs), &progress).map_err(end)?;
+        progress.finish();
+    }
+    let scores = policies::scores(&args.out, &runs);
+    args.output.print(&scores, || policies::table(&scores))
+}
+
+fn reward(args: &RewardArgs) -> Result<(), Failure> {
+    let wanted = |name: &str| {
+        args.design
+            .as_deref()
+            .is_none_or(|part| name.contains(part))
+    };
     let designs = DESIGNS
         .iter()
         .filter(|(name, _)| wanted(name))
@@ -62,10 +149,14 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         .map_err(|e: crate::config::ConfigError| end(e))?;
     let mut log = StudyLog::open(&args.out).map_err(end)?;
     let total = designs.len() as u64 * args.seeds * args.datasets.len() as u64;
-    let progress = args.output.audience().start("measure reward designs", total, "ensembles");
+    let progress = args
+        .output
+        .audience()
+        .start("measure reward designs", total, "ensembles");
     for name in &args.datasets {
         let (dataset, _) = open_dataset(name).map_err(end)?;
-        log.fill(&designs, &dataset, args.seeds, &progress).map_err(end)?;
+        log.fill(&designs, &dataset, args.seeds, &progress)
+            .map_err(end)?;
     }
     progress.finish();
     args.output.print(&log.cells, || log.table(&designs))

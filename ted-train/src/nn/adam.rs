@@ -3,6 +3,7 @@
 use burn::tensor::Tensor;
 use serde::{Deserialize, Serialize};
 
+use super::host::in_place;
 use super::{Linear, Mlp};
 
 /// Constants of the optimiser; the step size is an argument of each step because it may follow a schedule.
@@ -95,24 +96,24 @@ impl Adam {
         step: u64,
     ) {
         let step = i32::try_from(step).unwrap_or(i32::MAX);
-        let (correct1, correct2) = (1.0 - self.beta1.powi(step), 1.0 - self.beta2.powi(step));
-        let first = take(&mut moments.first).mul_scalar(self.beta1)
-            + gradient.clone().mul_scalar(1.0 - self.beta1);
-        let second = take(&mut moments.second).mul_scalar(self.beta2)
-            + (gradient.clone() * gradient).mul_scalar(1.0 - self.beta2);
-        let scale = second
-            .clone()
-            .div_scalar(correct2)
-            .sqrt()
-            .add_scalar(self.epsilon);
-        *parameter = take(parameter) - first.clone().mul_scalar(rate / correct1) / scale;
-        moments.first = first;
-        moments.second = second;
+        let correct1 = 1.0 - self.beta1.powi(step);
+        let correct2 = 1.0 - self.beta2.powi(step);
+        let (beta1, beta2) = (self.beta1 as f32, self.beta2 as f32);
+        let (fresh1, fresh2) = ((1.0 - self.beta1) as f32, (1.0 - self.beta2) as f32);
+        let (rate, unbias2) = ((rate / correct1) as f32, (1.0 / correct2) as f32);
+        let epsilon = self.epsilon as f32;
+        let gradient = gradient.into_data();
+        let gradient = gradient.as_slice::<f32>().expect("gradients are f32");
+        in_place(
+            [parameter, &mut moments.first, &mut moments.second],
+            |[parameters, firsts, seconds]| {
+                let moments = firsts.iter_mut().zip(seconds);
+                for ((p, (m, v)), g) in parameters.iter_mut().zip(moments).zip(gradient) {
+                    *m = beta1 * *m + fresh1 * g;
+                    *v = beta2 * *v + fresh2 * g * g;
+                    *p -= rate * *m / ((*v * unbias2).sqrt() + epsilon);
+                }
+            },
+        );
     }
-}
-
-/// Moves a tensor out of its place, so that burn sees one owner and works in place; the caller puts a new one back.
-fn take<const D: usize>(tensor: &mut Tensor<D>) -> Tensor<D> {
-    let device = tensor.device();
-    std::mem::replace(tensor, Tensor::empty([0; D], &device))
 }

@@ -4,6 +4,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use rand::Rng;
 
 use super::Initialiser;
+use super::host::in_place;
 
 /// The function applied to the output of the last layer. Hidden layers are always ReLU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -156,8 +157,15 @@ impl Mlp {
 
     /// Moves towards `source`: `self <- rate * source + (1 - rate) * self` (Polyak averaging of target networks).
     pub(crate) fn polyak(&mut self, source: &Self, rate: f64) {
+        let rate = rate as f32;
         let mix = |old: &mut Tensor<3>, new: &Tensor<3>| {
-            *old = old.clone().mul_scalar(1.0 - rate) + new.clone().mul_scalar(rate);
+            let new = new.clone().into_data();
+            let new = new.as_slice::<f32>().expect("parameters are f32");
+            in_place([old], |[old]| {
+                for (old, new) in old.iter_mut().zip(new) {
+                    *old = (1.0 - rate) * *old + rate * new;
+                }
+            });
         };
         for (old, new) in self.layers.iter_mut().zip(&source.layers) {
             mix(&mut old.weight, &new.weight);

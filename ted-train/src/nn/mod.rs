@@ -7,6 +7,7 @@
 
 mod adam;
 mod export;
+mod host;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod init;

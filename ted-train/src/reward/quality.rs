@@ -13,6 +13,10 @@ pub struct RewardQuality {
     pub pearson: f64,
     /// Spearman rank correlation of predicted and true episode returns.
     pub spearman: f64,
+    /// Pearson over the third of episodes with the lowest predicted return.
+    pub pearson_low_third: f64,
+    /// Pearson over the third of episodes with the highest predicted return.
+    pub pearson_high_third: f64,
     /// Spearman over the third of episodes with the lowest predicted return: what TED relies on.
     pub spearman_low_third: f64,
     /// Spearman over the third of episodes with the highest predicted return.
@@ -43,6 +47,7 @@ impl RewardQuality {
         let third = hat.len() / 3;
         let (low, high) = (&order[..third], &order[hat.len() - third..]);
         let (hat_unit, truth_unit) = (unit(&hat), unit(&truth));
+        let pearson_of = |set: &[usize]| pearson(&pick(&hat, set), &pick(&truth, set));
         let spearman_of = |set: &[usize]| spearman(&pick(&hat, set), &pick(&truth, set));
         let error_of = |set: &[usize]| {
             set.iter()
@@ -60,6 +65,8 @@ impl RewardQuality {
         Self {
             pearson: pearson(&hat, &truth),
             spearman: spearman(&hat, &truth),
+            pearson_low_third: pearson_of(low),
+            pearson_high_third: pearson_of(high),
             spearman_low_third: spearman_of(low),
             spearman_high_third: spearman_of(high),
             error_low_third: error_of(low),

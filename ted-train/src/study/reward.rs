@@ -27,8 +27,14 @@ use crate::train::TrainError;
 pub const DESIGNS: [(&str, &[&str]); 10] = [
     ("default", &[]),
     ("observation only", &["reward.inputs=observation"]),
-    ("standardised, floor 0.001", &["reward.scaling={kind=\"standard\", floor=0.001}"]),
-    ("standardised, floor 0.05", &["reward.scaling={kind=\"standard\", floor=0.05}"]),
+    (
+        "standardised, floor 0.001",
+        &["reward.scaling={kind=\"standard\", floor=0.001}"],
+    ),
+    (
+        "standardised, floor 0.05",
+        &["reward.scaling={kind=\"standard\", floor=0.05}"],
+    ),
     ("raw", &["reward.scaling={kind=\"raw\"}"]),
     ("linear output", &["reward.output=linear"]),
     ("hidden 64-64", &["reward.hidden=[64, 64]"]),
@@ -69,11 +75,23 @@ pub fn measure(
     let root = Seed::root(seed).child("reward");
     let mut log = PreferenceLog::open(log, dataset).map_err(|e| failed(e.into()))?;
     let mut teacher = ScriptedTeacher::new(0.0).map_err(|e| failed(e.into()))?;
-    let learned = learn(config, dataset, &mut teacher, &mut log, root, crate::nn::Backend::Flex).map_err(failed)?;
-    let held_out = held_out_agreement(config, &learned.ensemble, dataset, root).map_err(|e| failed(e.into()))?;
+    let learned = learn(
+        config,
+        dataset,
+        &mut teacher,
+        &mut log,
+        root,
+        crate::nn::Backend::Flex,
+    )
+    .map_err(failed)?;
+    let held_out = held_out_agreement(config, &learned.ensemble, dataset, root)
+        .map_err(|e| failed(e.into()))?;
     let exported = ExportedEnsemble::new(&learned.ensemble);
     let raw = exported
-        .view(RewardRange { low: 0.0, high: 1.0 })
+        .view(RewardRange {
+            low: 0.0,
+            high: 1.0,
+        })
         .and_then(|view| ensemble_labels(dataset, &view))
         .map_err(crate::export::ExportError::from)?;
     Ok(Cell {
@@ -90,12 +108,22 @@ pub fn measure(
 ///
 /// # Errors
 /// When a `--set` is not valid for a reward ensemble.
-pub fn design_config(changes: &[&str], sets: &[String]) -> Result<OprlConfig, crate::config::ConfigError> {
-    let all = sets.iter().map(String::as_str).chain(changes.iter().copied());
-    let overrides = all.into_iter().try_fold(Overrides::default(), |overrides, set| overrides.set(set))?;
+pub fn design_config(
+    changes: &[&str],
+    sets: &[String],
+) -> Result<OprlConfig, crate::config::ConfigError> {
+    let all = sets
+        .iter()
+        .map(String::as_str)
+        .chain(changes.iter().copied());
+    let overrides = all
+        .into_iter()
+        .try_fold(Overrides::default(), |overrides, set| overrides.set(set))?;
     match overrides.resolve(Preset::OprlI, 0)?.reward {
         RewardConfig::Oprl(config) => Ok(config),
-        _ => Err(crate::config::ConfigError::Override { argument: "reward.source".to_owned() }),
+        _ => Err(crate::config::ConfigError::Override {
+            argument: "reward.source".to_owned(),
+        }),
     }
 }
 
@@ -114,8 +142,14 @@ impl StudyLog {
     pub fn open(folder: &Path) -> Result<Self, WriteError> {
         disk::create_folder(folder)?;
         let text = std::fs::read_to_string(folder.join("cells.jsonl")).unwrap_or_default();
-        let cells: Vec<Cell> = text.lines().map_while(|line| serde_json::from_str(line).ok()).collect();
-        let mut log = Self { folder: folder.to_path_buf(), cells: Vec::new() };
+        let cells: Vec<Cell> = text
+            .lines()
+            .map_while(|line| serde_json::from_str(line).ok())
+            .collect();
+        let mut log = Self {
+            folder: folder.to_path_buf(),
+            cells: Vec::new(),
+        };
         disk::replace(&log.path(), b"")?;
         for cell in cells {
             log.push(cell)?;
@@ -156,9 +190,14 @@ impl StudyLog {
                 if interrupt::requested() {
                     return Err(TrainError::Interrupted { step: seed });
                 }
-                let known = |c: &Cell| c.config == *config && c.task == task && c.seed == seed && c.design == *design;
+                let known = |c: &Cell| {
+                    c.config == *config && c.task == task && c.seed == seed && c.design == *design
+                };
                 if !self.cells.iter().any(known) {
-                    let folder = self.folder.join(&task).join(design.replace([' ', ','], "-"));
+                    let folder = self
+                        .folder
+                        .join(&task)
+                        .join(design.replace([' ', ','], "-"));
                     disk::create_folder(&folder)?;
                     let log = folder.join(format!("seed-{seed}.jsonl"));
                     // Questions of a half-measured cell are asked again: they depend on nothing else.
@@ -183,12 +222,17 @@ impl StudyLog {
         ];
         for (design, config) in designs {
             let mut tasks: BTreeMap<&str, Vec<&Cell>> = BTreeMap::new();
-            for cell in self.cells.iter().filter(|c| c.design == *design && c.config == *config) {
+            for cell in self
+                .cells
+                .iter()
+                .filter(|c| c.design == *design && c.config == *config)
+            {
                 tasks.entry(&cell.task).or_default().push(cell);
             }
             for (task, cells) in tasks {
                 let column = |value: fn(&Cell) -> f64| {
-                    let (mean, sd) = mean_sd(&cells.iter().map(|c| value(c)).collect::<Vec<_>>());
+                    let (mean, sd) =
+                        super::mean_sd(&cells.iter().map(|c| value(c)).collect::<Vec<_>>());
                     format!("{mean:+.2} ± {sd:.2}")
                 };
                 let columns = [
@@ -205,12 +249,4 @@ impl StudyLog {
         }
         rows.join("\n")
     }
-}
-
-/// Mean and sample standard deviation.
-fn mean_sd(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    (mean, variance.sqrt())
 }

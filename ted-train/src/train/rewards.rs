@@ -75,6 +75,17 @@ pub(super) fn rewards(
         quality: RewardQuality::measure(dataset, &rewards.labels),
     };
     folder.write_json("reward.json", &report)?;
+    if matches!(config.reward, RewardConfig::Oprl(_)) {
+        audience.note(&format!(
+            "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
+             Pearson {:+.2} over transitions",
+            report.queries,
+            report.quality.spearman,
+            report.quality.spearman_low_third,
+            report.quality.spearman_high_third,
+            report.quality.transition_pearson,
+        ));
+    }
     Ok(rewards)
 }
 

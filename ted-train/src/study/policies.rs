@@ -1,0 +1,221 @@
+//! Scores of whole runs: every combination of task, preset and seed, trained and flown, in one resumable table.
+//!
+//! Each run is a `ted train` process of its own with one thread, as many side by side as there are cores: seeds are
+//! independent, so that is faster than giving one run all cores. A run that is finished is not done again.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::thread;
+
+use firmware_sim::interrupt;
+use firmware_sim::progress::Progress;
+use serde::Serialize;
+
+use crate::config::{Overrides, Preset};
+use crate::disk::{self, WriteError};
+use crate::evaluate::Evaluation;
+use crate::run::RunFolder;
+use crate::train::RewardReport;
+
+/// One run of the study.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PolicyRun {
+    /// A dataset as `ted train` takes it.
+    pub dataset: String,
+    /// The composition.
+    pub preset: Preset,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// What a finished run came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PolicyScore {
+    /// The dataset as it was asked for.
+    pub dataset: String,
+    /// Name of the composition.
+    pub preset: String,
+    /// The seed.
+    pub seed: u64,
+    /// How it flew.
+    pub evaluation: Evaluation,
+    /// What its rewards were worth.
+    pub reward: RewardReport,
+}
+
+/// Why a study of policies stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A configuration that cannot be used.
+    #[error(transparent)]
+    Config(#[from] crate::config::ConfigError),
+    /// The disk.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A run that could not be started.
+    #[error("cannot start `ted train`: {0}")]
+    Start(std::io::Error),
+    /// Runs that failed; the others were finished.
+    #[error("{count} of the runs failed; the first one's last words are in {log}")]
+    Failed {
+        /// How many.
+        count: usize,
+        /// Where the first one says why.
+        log: PathBuf,
+    },
+    /// Somebody asked to stop.
+    #[error("stopped; the same command goes on from there")]
+    Interrupted,
+}
+
+/// Trains and flies what is missing, `jobs` runs at a time.
+///
+/// # Errors
+/// When a run fails; the others are finished first.
+pub fn fill(
+    out: &Path,
+    runs: &[PolicyRun],
+    sets: &[String],
+    jobs: usize,
+    progress: &Progress,
+) -> Result<(), StudyError> {
+    // A mistake in --set is told once and at once, not by every run.
+    sets.iter()
+        .try_fold(Overrides::default(), |all, set| all.set(set))?;
+    disk::create_folder(out)?;
+    let queue = Mutex::new(runs.iter());
+    let failures = Mutex::new(Vec::new());
+    let program = std::env::current_exe().map_err(StudyError::Start)?;
+    thread::scope(|scope| {
+        for _ in 0..jobs.clamp(1, runs.len().max(1)) {
+            scope.spawn(|| {
+                while !interrupt::requested() {
+                    let Some(run) = queue.lock().ok().and_then(|mut queue| queue.next()) else {
+                        break;
+                    };
+                    match one(&program, out, run, sets) {
+                        Ok(true) => progress.advance(1),
+                        Ok(false) => push(&failures, log_path(out, run)),
+                        Err(error) => push(&failures, PathBuf::from(error.to_string())),
+                    }
+                }
+            });
+        }
+    });
+    if interrupt::requested() {
+        return Err(StudyError::Interrupted);
+    }
+    let failures = failures.into_inner().unwrap_or_default();
+    match failures.first() {
+        None => Ok(()),
+        Some(log) => Err(StudyError::Failed {
+            count: failures.len(),
+            log: log.clone(),
+        }),
+    }
+}
+
+fn push(failures: &Mutex<Vec<PathBuf>>, log: PathBuf) {
+    if let Ok(mut failures) = failures.lock() {
+        failures.push(log);
+    }
+}
+
+/// Runs `ted train` unless its evaluation is there; true when it is there then.
+fn one(program: &Path, out: &Path, run: &PolicyRun, sets: &[String]) -> std::io::Result<bool> {
+    let folder = run_path(out, run);
+    if folder.join("evaluation.json").exists() {
+        return Ok(true);
+    }
+    std::fs::create_dir_all(&folder)?;
+    let log = File::create(log_path(out, run))?;
+    let status = Command::new(program)
+        .arg("train")
+        .arg(&run.dataset)
+        .args([
+            "--preset",
+            run.preset.name(),
+            "--workers",
+            "1",
+            "--seed",
+            &run.seed.to_string(),
+        ])
+        .arg("--out")
+        .arg(&folder)
+        .args(sets.iter().flat_map(|set| ["--set", set]))
+        .env("RAYON_NUM_THREADS", "1")
+        .stdin(Stdio::null())
+        .stdout(log.try_clone()?)
+        .stderr(log)
+        .status()?;
+    Ok(status.success())
+}
+
+fn run_path(out: &Path, run: &PolicyRun) -> PathBuf {
+    out.join(run.dataset.replace('/', "_"))
+        .join(run.preset.name())
+        .join(format!("seed-{}", run.seed))
+}
+
+fn log_path(out: &Path, run: &PolicyRun) -> PathBuf {
+    run_path(out, run).join("train.log")
+}
+
+/// The scores of the finished runs.
+#[must_use]
+pub fn scores(out: &Path, runs: &[PolicyRun]) -> Vec<PolicyScore> {
+    let read = |run: &PolicyRun| {
+        let folder = RunFolder::open(&run_path(out, run)).ok()?;
+        Some(PolicyScore {
+            dataset: run.dataset.clone(),
+            preset: run.preset.name().to_owned(),
+            seed: run.seed,
+            evaluation: folder.read_json("evaluation.json").ok()?,
+            reward: folder.read_json("reward.json").ok()?,
+        })
+    };
+    runs.iter().filter_map(read).collect()
+}
+
+/// A Markdown table: a row for each task and preset, mean and sample standard deviation over seeds.
+#[must_use]
+pub fn table(scores: &[PolicyScore]) -> String {
+    let mut groups: BTreeMap<(&str, &str), Vec<&PolicyScore>> = BTreeMap::new();
+    for score in scores {
+        groups
+            .entry((&score.dataset, &score.preset))
+            .or_default()
+            .push(score);
+    }
+    let mut rows = vec![
+        "| task | preset | seeds | return | normalised score | each seed | success | Spearman | low third | high third | transition Pearson |".to_owned(),
+        "|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
+    ];
+    for ((dataset, preset), group) in groups {
+        let column = |digits: usize, value: &dyn Fn(&PolicyScore) -> f64| {
+            let (mean, sd) = super::mean_sd(&group.iter().map(|s| value(s)).collect::<Vec<_>>());
+            format!("{mean:.digits$} ± {sd:.digits$}")
+        };
+        let each: Vec<String> = group
+            .iter()
+            .map(|s| format!("{:.3}", s.evaluation.score.unwrap_or(f64::NAN)))
+            .collect();
+        let quality = |value: fn(&PolicyScore) -> f64| column(2, &value);
+        rows.push(format!(
+            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {rho} | {low} | {high} | {transition} |",
+            seeds = group.len(),
+            ret = column(0, &|s| s.evaluation.return_mean),
+            score = column(3, &|s| s.evaluation.score.unwrap_or(f64::NAN)),
+            each = each.join(", "),
+            success = column(2, &|s| s.evaluation.success),
+            rho = quality(|s| s.reward.quality.spearman),
+            low = quality(|s| s.reward.quality.spearman_low_third),
+            high = quality(|s| s.reward.quality.spearman_high_third),
+            transition = quality(|s| s.reward.quality.transition_pearson),
+        ));
+    }
+    rows.join("\n")
+}
