@@ -13,6 +13,7 @@ use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
 use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
+use crate::quickstart::QuickstartError;
 use crate::reward::oprl::LearnError;
 use crate::run::RunError;
 use crate::study::policies::StudyError;
@@ -145,6 +146,23 @@ impl Ends for InspectError {
             Self::Nothing { .. } | Self::Load(_) | Self::Artifact { .. } | Self::Dataset(_) => {
                 ExitCode::BadInput
             }
+        }
+    }
+}
+
+impl Ends for QuickstartError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Setup(error) => error.exit_code(),
+            Self::Collect(error) => error.exit_code(),
+            Self::Dataset(error) => error.exit_code(),
+            Self::Config(error) => error.exit_code(),
+            Self::Run(error) => error.exit_code(),
+            Self::Write(error) => error.exit_code(),
+            Self::Preference(error) => error.exit_code(),
+            Self::Train(error) => error.exit_code(),
+            Self::Evaluate(error) => error.exit_code(),
+            Self::Crosscheck(error) => error.exit_code(),
         }
     }
 }

@@ -2,11 +2,13 @@
 
 mod collect;
 mod crosscheck;
+mod doctor;
 mod eval;
 mod export;
 mod failures;
 mod inspect;
 mod locate;
+mod quickstart;
 mod study;
 mod table;
 mod train;
@@ -40,6 +42,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Quickstart(quickstart::QuickstartArgs),
+    Doctor(doctor::DoctorArgs),
     Collect(collect::CollectArgs),
     Train(train::TrainArgs),
     Eval(eval::EvalArgs),
@@ -93,6 +97,8 @@ pub fn run() -> ExitCode {
         )
     });
     let done = caught.and_then(|()| match cli.command {
+        Command::Quickstart(args) => quickstart::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
         Command::Collect(args) => collect::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),

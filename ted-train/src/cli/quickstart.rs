@@ -1,0 +1,129 @@
+//! `ted quickstart`: all of it, in minutes.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+use firmware_sim::exit::ExitCode;
+use firmware_sim::failure::Failure;
+use firmware_sim::rollout::normalised_score;
+use firmware_sim::tasks;
+
+use crate::quickstart::{Quickstart, QuickstartConfig, quickstart};
+
+use super::OutputArgs;
+use super::collect::workers;
+use super::crosscheck::{text as crosscheck_text, verdict};
+use super::failures::end;
+use super::table::{Align, Table};
+
+const EXAMPLES: &str = "\
+Examples:
+  ted quickstart
+  ted quickstart --task reach-wall-v3 --episodes 200 --steps 20000
+  ted quickstart --json
+
+About ten minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
+A stopped quickstart goes on where it was. The method at full size: ted collect, ted train.";
+
+/// Collect, ask ten questions, learn a reward and a policy, export, fly and cross-check, at reduced size
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct QuickstartArgs {
+    /// The task
+    #[arg(long, default_value = "drawer-open-v3")]
+    task: String,
+    /// The folder that everything is written to
+    #[arg(long, default_value = "runs/quickstart")]
+    out: PathBuf,
+    /// Episodes to collect
+    #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
+    episodes: u32,
+    /// Updates of the policy
+    #[arg(long, default_value_t = 12_000, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+    /// Root of all randomness
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Simulator processes; all cores if not given. Changes nothing but the time
+    #[arg(long)]
+    workers: Option<NonZeroUsize>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(super) fn run(args: &QuickstartArgs) -> Result<(), Failure> {
+    let task = tasks::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
+    let config = QuickstartConfig {
+        task: task.to_owned(),
+        out: args.out.clone(),
+        episodes: args.episodes,
+        steps: args.steps,
+        seed: args.seed,
+        workers: workers(args.workers),
+    };
+    let report = quickstart(&config, args.output.audience()).map_err(end)?;
+    args.output.print(&report, || text(&report))?;
+    verdict(&report.crosscheck)
+}
+
+fn text(report: &Quickstart) -> String {
+    let mut results = Table::new(&[
+        (&report.task, Align::Left),
+        ("episodes", Align::Right),
+        ("mean return", Align::Right),
+        ("score", Align::Right),
+        ("success", Align::Right),
+    ]);
+    let trained = &report.trained;
+    let (dataset, scripted) = (&report.dataset, &report.scripted);
+    for (name, episodes, mean_return, success) in [
+        (
+            "dataset",
+            dataset.episodes,
+            dataset.mean_return,
+            dataset.success_rate,
+        ),
+        (
+            "scripted policy",
+            scripted.episodes,
+            scripted.mean_return,
+            scripted.success_rate,
+        ),
+        (
+            "trained policy",
+            trained.returns.len(),
+            trained.return_mean,
+            trained.success,
+        ),
+    ] {
+        let score = normalised_score(mean_return, trained.dataset_max);
+        results.row([
+            name.to_owned(),
+            episodes.to_string(),
+            format!("{mean_return:.1}"),
+            score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}")),
+            format!("{success:.2}"),
+        ]);
+    }
+    let mut paths = Table::new(&[("written", Align::Left), ("", Align::Left)]);
+    for written in &report.written {
+        paths.row([written.what.to_owned(), written.path.display().to_string()]);
+    }
+    let verdict = if report.beats_dataset {
+        format!(
+            "The policy returns {:.1} times the mean of the data it was learned from.",
+            trained.return_mean / dataset.mean_return
+        )
+    } else {
+        "The policy returns less than the mean of its data: give it more --episodes or --steps, or another --task."
+            .to_owned()
+    };
+    [
+        crosscheck_text(&report.crosscheck),
+        paths.text(),
+        results.text(),
+        format!("{verdict} A score of 1 is the best episode of the data."),
+    ]
+    .join("\n\n")
+}

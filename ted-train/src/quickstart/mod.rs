@@ -1,0 +1,274 @@
+//! The whole pipeline at reduced size: from nothing to a policy that has flown, in minutes.
+//!
+//! Every stage is the one that the other commands run, with smaller numbers, and every stage goes on where it was stopped.
+
+mod narrator;
+
+use std::path::{Path, PathBuf};
+
+use firmware_sim::bridge::environment::{self, SetupError};
+use firmware_sim::progress::Audience;
+use serde::Serialize;
+
+use crate::collect::{self, CollectConfig, CollectError, PartReport, Recipe};
+use crate::config::{Config, ConfigError, Preset};
+use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
+use crate::dataset::{Dataset, DatasetError};
+use crate::disk::WriteError;
+use crate::evaluate::{EvaluateError, Evaluation, evaluate};
+use crate::preferences::{PreferenceError, ScriptedTeacher};
+use crate::run::{DatasetReference, RunError, RunFolder};
+use crate::train::{TrainError, train};
+
+use narrator::Narrator;
+
+/// Episodes that show what the scripted policy reaches.
+const SCRIPTED_EPISODES: u32 = 5;
+/// Episodes that the trained policy flies.
+const FLOWN_EPISODES: u32 = 10;
+/// Of these, how many the cross-check flies again.
+const CHECKED_EPISODES: u32 = 2;
+/// Updates between two checkpoints: about half a minute.
+const CHECKPOINT_EVERY: u64 = 2_000;
+
+/// How large, and where.
+#[derive(Clone, Debug)]
+pub struct QuickstartConfig {
+    /// The task.
+    pub task: String,
+    /// The folder that everything is written to.
+    pub out: PathBuf,
+    /// Episodes to collect.
+    pub episodes: u32,
+    /// Updates of the policy.
+    pub steps: u64,
+    /// Root of all randomness.
+    pub seed: u64,
+    /// Simulator processes.
+    pub workers: usize,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Quickstart {
+    /// The task.
+    pub task: String,
+    /// The dataset that the policy was learned from.
+    pub dataset: PartReport,
+    /// The scripted policy without noise.
+    pub scripted: PartReport,
+    /// The trained policy.
+    pub trained: Evaluation,
+    /// Whether the trained policy's mean return is larger than that of its dataset.
+    pub beats_dataset: bool,
+    /// Whether what flew is what was trained.
+    pub crosscheck: Crosscheck,
+    /// What was written.
+    pub written: Vec<Written>,
+}
+
+/// A file or folder that was written.
+#[derive(Clone, Debug, Serialize)]
+pub struct Written {
+    /// What it is.
+    pub what: &'static str,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+/// The stage that failed.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum QuickstartError {
+    /// Setting up the simulator.
+    Setup(#[from] SetupError),
+    /// Collecting.
+    Collect(#[from] CollectError),
+    /// Reading what was collected.
+    Dataset(#[from] DatasetError),
+    /// The numbers asked for.
+    Config(#[from] ConfigError),
+    /// The run's folder.
+    Run(#[from] RunError),
+    /// Writing results.
+    Write(#[from] WriteError),
+    /// The questions.
+    Preference(#[from] PreferenceError),
+    /// Training.
+    Train(#[from] TrainError),
+    /// Flying.
+    Evaluate(#[from] EvaluateError),
+    /// Cross-checking.
+    Crosscheck(#[from] CrosscheckError),
+}
+
+impl QuickstartConfig {
+    /// The training configuration: the method, with fewer updates.
+    ///
+    /// # Errors
+    /// When the number of updates is zero.
+    pub fn training(&self) -> Result<Config, ConfigError> {
+        let mut config = Config {
+            seed: self.seed,
+            ..Preset::OprlITed.config()
+        };
+        config.iql.steps = self.steps;
+        config.schedule.checkpoint_every = CHECKPOINT_EVERY;
+        config.schedule.evaluation_episodes = FLOWN_EPISODES;
+        config.check()?;
+        Ok(config)
+    }
+
+    fn collection(&self, recipe: Recipe, episodes: u32) -> CollectConfig {
+        CollectConfig {
+            task: self.task.clone(),
+            recipe,
+            episodes: Some(episodes),
+            seed: self.seed,
+            workers: self.workers,
+            root: self.out.join("datasets"),
+        }
+    }
+
+    fn run_folder(&self) -> PathBuf {
+        self.out
+            .join(&self.task)
+            .join(format!("seed-{}", self.seed))
+    }
+}
+
+/// Collects, asks, learns, exports, cross-checks and flies.
+///
+/// # Errors
+/// When a stage fails or is interrupted; what is complete is kept, and the same call goes on.
+pub fn quickstart(
+    config: &QuickstartConfig,
+    audience: Audience,
+) -> Result<Quickstart, QuickstartError> {
+    let training = config.training()?;
+    let stage = |number: u32, what: &str| audience.note(&format!("\n[{number}/6] {what}"));
+
+    stage(1, "set up the simulator");
+    let environment = environment::ensure(audience)?;
+
+    stage(
+        2,
+        "record the scripted policy, and what a bad robot would do",
+    );
+    let scripted = config.collection(Recipe::Expert, SCRIPTED_EPISODES);
+    let scripted = collect::run(&scripted, &environment, audience)?;
+    let collection = config.collection(Recipe::Paper, config.episodes);
+    let collected = collect::run(&collection, &environment, audience)?;
+    let dataset = Dataset::open(&collected.folder)?;
+
+    stage(
+        3,
+        "ask ten questions, learn a reward, set discounts, learn a policy",
+    );
+    let reference = DatasetReference {
+        id: dataset.id().to_owned(),
+        digest: dataset.digest().to_owned(),
+        path: collected.folder.clone(),
+    };
+    let folder = RunFolder::begin(&config.run_folder(), &training, &reference)?;
+    let mut teacher = Narrator::new(ScriptedTeacher::new(0.0)?, audience);
+    train(&dataset, &training, &folder, &mut teacher, audience)?;
+
+    stage(4, "the artefact");
+    audience.note(&format!("{}", folder.artefact_path().display()));
+
+    stage(5, "fly it");
+    let trained = fly_once(&folder, config, audience)?;
+
+    stage(6, "is what flew what was trained?");
+    let check = CrosscheckConfig {
+        sample: None,
+        episodes: CHECKED_EPISODES,
+        workers: config.workers,
+    };
+    let crosscheck = crosscheck(&folder, &dataset, &check, audience)?;
+    folder.write_json("crosscheck.json", &crosscheck)?;
+
+    Ok(Quickstart {
+        task: config.task.clone(),
+        beats_dataset: trained.return_mean > dataset.mean_return_true(),
+        dataset: collected.mix,
+        scripted: scripted.mix,
+        trained,
+        crosscheck,
+        written: written(&collected.folder, &scripted.folder, &folder),
+    })
+}
+
+/// The evaluation that the folder holds, or a new one.
+fn fly_once(
+    folder: &RunFolder,
+    config: &QuickstartConfig,
+    audience: Audience,
+) -> Result<Evaluation, QuickstartError> {
+    const EVALUATION: &str = "evaluation.json";
+    if folder.file(EVALUATION).exists() {
+        return Ok(folder.read_json(EVALUATION)?);
+    }
+    let evaluation = evaluate(
+        &folder.artefact_path(),
+        None,
+        FLOWN_EPISODES,
+        config.seed,
+        config.workers,
+        audience,
+    )?;
+    folder.write_json(EVALUATION, &evaluation)?;
+    Ok(evaluation)
+}
+
+fn written(dataset: &Path, scripted: &Path, folder: &RunFolder) -> Vec<Written> {
+    let entry = |what, path: PathBuf| Written { what, path };
+    vec![
+        entry("dataset", dataset.to_path_buf()),
+        entry("scripted policy", scripted.to_path_buf()),
+        entry("questions", folder.file("preferences.jsonl")),
+        entry("reward quality", folder.file("reward.json")),
+        entry("configuration", folder.config_path()),
+        entry("metrics", folder.file("metrics.jsonl")),
+        entry("artefact", folder.artefact_path()),
+        entry("evaluation", folder.file("evaluation.json")),
+        entry("cross-check", folder.file("crosscheck.json")),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config() -> QuickstartConfig {
+        QuickstartConfig {
+            task: "drawer-open-v3".to_owned(),
+            out: PathBuf::from("out"),
+            episodes: 3,
+            steps: 7,
+            seed: 5,
+            workers: 1,
+        }
+    }
+
+    #[test]
+    fn the_quickstart_differs_from_the_method_in_size_only() {
+        let mut training = config().training().unwrap();
+        assert_eq!((training.seed, training.iql.steps), (5, 7));
+        let method = Preset::OprlITed.config();
+        training.seed = method.seed;
+        training.iql.steps = method.iql.steps;
+        training.schedule = method.schedule.clone();
+        assert_eq!(training, method);
+    }
+
+    #[test]
+    fn everything_is_written_below_one_folder() {
+        let config = config();
+        assert!(config.run_folder().starts_with("out"));
+        assert!(config.collection(Recipe::Paper, 3).root.starts_with("out"));
+        assert!(config.training().is_ok());
+        assert!(QuickstartConfig { steps: 0, ..config }.training().is_err());
+    }
+}

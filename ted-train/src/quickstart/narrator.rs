@@ -1,0 +1,87 @@
+//! A teacher that says aloud what it is asked and what it answers.
+
+use firmware_sim::progress::Audience;
+
+use crate::dataset::Dataset;
+use crate::preferences::{Answer, PreferenceError, Query, Teacher};
+
+/// Passes questions on to another teacher, and tells a person of each.
+pub(super) struct Narrator<T> {
+    teacher: T,
+    audience: Audience,
+    asked: u32,
+}
+
+impl<T: Teacher> Narrator<T> {
+    pub(super) fn new(teacher: T, audience: Audience) -> Self {
+        Self {
+            teacher,
+            audience,
+            asked: 0,
+        }
+    }
+}
+
+impl<T: Teacher> Teacher for Narrator<T> {
+    fn name(&self) -> &str {
+        self.teacher.name()
+    }
+
+    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
+        let answer = self.teacher.answer(dataset, query)?;
+        self.asked += 1;
+        let line = sentence(dataset, query, answer);
+        self.audience
+            .note(&format!("  question {:>2}: {line}", self.asked));
+        Ok(answer)
+    }
+}
+
+fn sentence(dataset: &Dataset, query: &Query, answer: Answer) -> String {
+    let [first, second] = query.segments.map(|segment| {
+        format!(
+            "episode {} from step {}",
+            segment.episode(),
+            segment.start()
+        )
+    });
+    let [first_return, second_return] = query.segments.map(|segment| segment.return_true(dataset));
+    let verdict = match answer {
+        Answer::First => "the first is better",
+        Answer::Second => "the second is better",
+        Answer::Equal => "they are equal",
+    };
+    format!(
+        "{first} or {second}, {} steps each? {verdict} (true returns {first_return:.1} and {second_return:.1})",
+        query.segments[0].len()
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::Segment;
+    use crate::dataset::fixtures::{SHAPE, records};
+    use crate::preferences::ScriptedTeacher;
+
+    #[test]
+    fn the_narrator_answers_as_its_teacher_and_says_what_was_asked() {
+        let mut episodes = records(&[4, 4]);
+        episodes[0].rewards = vec![1.0, 1.0, 2.0, 0.25];
+        episodes[1].rewards = vec![2.0, 0.0, 3.0, 0.0];
+        let dataset = Dataset::from_records("ted/x-v0", SHAPE, &episodes).unwrap();
+        let segment = |episode, start| Segment::new(&dataset, episode, start, 2).unwrap();
+        let query = Query {
+            segments: [segment(0, 1), segment(1, 2)],
+        };
+        let mut narrator = Narrator::new(ScriptedTeacher::new(0.0).unwrap(), Audience::Nobody);
+        assert_eq!(narrator.name(), "teacher:true-return");
+        let answer = narrator.answer(&dataset, &query).unwrap();
+        assert_eq!((answer, narrator.asked), (Answer::Equal, 1));
+        assert_eq!(
+            sentence(&dataset, &query, Answer::Second),
+            "episode 0 from step 1 or episode 1 from step 2, 2 steps each? \
+             the second is better (true returns 3.0 and 3.0)"
+        );
+    }
+}
