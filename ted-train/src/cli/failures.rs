@@ -4,6 +4,7 @@ use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 
+use crate::bench::BenchError;
 use crate::collect::CollectError;
 use crate::config::ConfigError;
 use crate::crosscheck::CrosscheckError;
@@ -163,6 +164,17 @@ impl Ends for QuickstartError {
             Self::Train(error) => error.exit_code(),
             Self::Evaluate(error) => error.exit_code(),
             Self::Crosscheck(error) => error.exit_code(),
+        }
+    }
+}
+
+impl Ends for BenchError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Dataset(_) | Self::Shape(_) => ExitCode::BadInput,
+            Self::Setup(error) => error.exit_code(),
+            Self::Bridge(error) => error.exit_code(),
+            Self::Interrupted => ExitCode::Interrupted,
         }
     }
 }

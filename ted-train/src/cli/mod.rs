@@ -1,5 +1,6 @@
 //! The `ted` command line: each command in its own file, each with `--help`, `--json` and exit codes by kind of failure.
 
+mod bench;
 mod collect;
 mod crosscheck;
 mod doctor;
@@ -50,6 +51,7 @@ enum Command {
     Export(export::ExportArgs),
     Inspect(inspect::InspectArgs),
     Crosscheck(crosscheck::CrosscheckArgs),
+    Bench(bench::BenchArgs),
     Study(study::StudyArgs),
 }
 
@@ -105,6 +107,7 @@ pub fn run() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Study(args) => study::run(&args),
     });
     match done {

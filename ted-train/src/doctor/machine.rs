@@ -11,7 +11,8 @@ const DISK_NEEDED_MIB: u64 = 2048;
 const MEMORY_NEEDED_MIB: u64 = 2048;
 
 /// Architecture, cores, and the vector instructions that the trainer's kernels choose from.
-pub(super) fn processor() -> String {
+#[must_use]
+pub fn processor() -> String {
     let cores = thread::available_parallelism().map_or(1, usize::from);
     let features = features();
     let vectors = if features.is_empty() {

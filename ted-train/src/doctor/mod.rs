@@ -3,6 +3,8 @@
 mod backends;
 mod machine;
 
+pub use machine::processor;
+
 use std::path::Path;
 
 use firmware_sim::bridge::environment;
