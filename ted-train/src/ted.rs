@@ -9,6 +9,9 @@
 //! The ranking is stable: between equal predicted returns the earlier episode wins. What decides is
 //! [`ted_core::TedDiscount`], the same lookup that the controller uses on an episode it has just flown.
 
+#[cfg(test)]
+mod inversion;
+
 use serde::{Deserialize, Serialize};
 use ted_core::{DiscountError, NEW_EPISODE, ReturnThreshold, TedDiscount};
 

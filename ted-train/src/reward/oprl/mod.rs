@@ -25,6 +25,8 @@ mod inputs;
 mod learn;
 mod loss;
 mod state;
+#[cfg(test)]
+mod tests;
 
 pub use config::{InputScaling, OprlConfig, RewardInputs};
 pub use ensemble::{Ensemble, Fit, LabelledPair};

@@ -1,0 +1,221 @@
+//! Which questions are asked: the most disputed ones, and ten in all.
+
+use rand::RngExt;
+
+use crate::dataset::{Dataset, Segment, SegmentSampler};
+use crate::nn::Backend;
+use crate::nn::fixtures::tensor;
+use crate::nn::{Activation, Linear, Mlp};
+use crate::preferences::{
+    Answer, Context, PreferenceError, PreferenceLog, Query, ReplayTeacher, ScriptedTeacher, Teacher,
+};
+use crate::reward::oprl::disagreement::{most_disputed, random_pair};
+use crate::reward::oprl::{Ensemble, ExportedEnsemble, OprlConfig, learn};
+use crate::rng::Seed;
+
+use super::{SEGMENT, SHAPE, config, dataset, ensemble};
+
+const POOL: usize = 40;
+
+/// An ensemble of linear rewards: member `m` likes the observation's channel `m`.
+fn linear(dataset: &Dataset, likes: &[[f32; 3]]) -> Ensemble {
+    let config = OprlConfig {
+        members: likes.len(),
+        hidden: vec![],
+        ..config()
+    };
+    let mut ensemble = ensemble(&config, dataset, Backend::Flex);
+    let weights: Vec<f32> = likes
+        .iter()
+        .flat_map(|w| [&w[..], &[0.0; SHAPE.action]].concat())
+        .collect();
+    let inputs = SHAPE.observation + SHAPE.action;
+    let layer = Linear {
+        weight: tensor(&weights, [likes.len(), inputs, 1], Backend::Flex),
+        bias: tensor(&vec![0.0; likes.len()], [likes.len(), 1, 1], Backend::Flex),
+    };
+    ensemble.network = Mlp::from_layers(vec![layer], Activation::Linear);
+    ensemble
+}
+
+/// p (1 - p) by plain sums over the segments' observations.
+fn dispute(dataset: &Dataset, likes: &[[f32; 3]], pair: &[Segment; 2]) -> f64 {
+    let score = |w: &[f32; 3], segment: &Segment| -> f64 {
+        segment
+            .steps(dataset)
+            .flat_map(|step| dataset.observation(step).iter().zip(w))
+            .map(|(x, w)| f64::from(*x) * f64::from(*w))
+            .sum()
+    };
+    let second = likes
+        .iter()
+        .filter(|w| score(w, &pair[1]) > score(w, &pair[0]))
+        .count();
+    let p = second as f64 / likes.len() as f64;
+    p * (1.0 - p)
+}
+
+#[test]
+fn the_question_is_one_with_the_largest_dispute_of_the_pool() {
+    let dataset = dataset();
+    let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
+    let likes = [
+        [1.0, 0.0, 0.0],
+        [0.9, 0.3, 0.0],
+        [0.8, 0.0, 0.5],
+        [1.0, -0.4, 0.2],
+        [0.7, 0.5, -0.3],
+    ];
+    let ensemble = linear(&dataset, &likes);
+    let mut unanimous = 0;
+    for seed in 0..20 {
+        let stream = Seed::root(seed);
+        let mut rng = stream.rng();
+        let pool: Vec<_> = (0..POOL).map(|_| random_pair(&sampler, &mut rng)).collect();
+        let disputes: Vec<f64> = pool.iter().map(|p| dispute(&dataset, &likes, p)).collect();
+        unanimous += disputes.iter().filter(|&&d| d == 0.0).count();
+        let chosen = most_disputed(&ensemble, &dataset, &sampler, POOL, &mut stream.rng());
+        assert!(pool.contains(&chosen), "the pool is the stream's");
+        let largest = disputes.iter().copied().fold(0.0, f64::max);
+        assert_eq!(dispute(&dataset, &likes, &chosen), largest, "seed {seed}");
+    }
+    assert!(
+        unanimous > 20 * POOL / 4,
+        "a random pair would often do worse"
+    );
+}
+
+#[test]
+fn among_equals_the_stream_draws() {
+    let dataset = dataset();
+    let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
+    // One member never disagrees with itself: all pairs tie.
+    let ensemble = linear(&dataset, &[[1.0, 0.0, 0.0]]);
+    let place = |seed: u64| {
+        let mut rng = Seed::root(seed).rng();
+        let chosen = most_disputed(
+            &ensemble,
+            &dataset,
+            &sampler,
+            POOL,
+            &mut Seed::root(seed).rng(),
+        );
+        let pool: Vec<_> = (0..POOL).map(|_| random_pair(&sampler, &mut rng)).collect();
+        assert_eq!(chosen, pool[rng.random_range(0..POOL)]);
+        pool.iter().position(|pair| *pair == chosen).unwrap()
+    };
+    let mut places: Vec<usize> = (0..20).map(place).collect();
+    places.sort_unstable();
+    places.dedup();
+    assert!(places.len() > 5, "not always the same place: {places:?}");
+}
+
+#[test]
+fn two_different_segments_are_asked_about_even_when_there_are_only_two() {
+    let dataset = dataset();
+    let whole = SegmentSampler::new(&dataset, 9).unwrap();
+    let mut rng = Seed::root(0).rng();
+    for _ in 0..100 {
+        let [first, second] = random_pair(&whole, &mut rng);
+        assert_ne!(first, second);
+    }
+}
+
+/// Counts the questions that somebody else answers.
+struct Counting<T> {
+    teacher: T,
+    asked: usize,
+}
+
+impl<T: Teacher> Teacher for Counting<T> {
+    fn name(&self) -> &str {
+        self.teacher.name()
+    }
+
+    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
+        self.asked += 1;
+        self.teacher.answer(dataset, query)
+    }
+}
+
+#[test]
+fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
+    let dataset = dataset();
+    let folder = tempfile::tempdir().unwrap();
+    let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), &dataset).unwrap();
+    let mut teacher = Counting {
+        teacher: ScriptedTeacher::new(0.0).unwrap(),
+        asked: 0,
+    };
+    let config = config();
+    let seed = Seed::root(2);
+    let learned = learn(
+        &config,
+        &dataset,
+        &mut teacher,
+        &mut log,
+        seed,
+        Backend::Flex,
+    )
+    .unwrap();
+    assert_eq!((teacher.asked, config.queries()), (10, 10));
+    let contexts: Vec<_> = log.entries().iter().map(|entry| entry.context).collect();
+    let own = (0..7).map(|m| Context {
+        round: 0,
+        member: Some(m),
+    });
+    let shared = (1..=3).map(|round| Context {
+        round,
+        member: None,
+    });
+    assert_eq!(contexts, own.chain(shared).collect::<Vec<_>>());
+    assert_eq!(learned.fits.len(), 4);
+}
+
+#[test]
+fn the_log_alone_replays_the_run_to_the_bit() {
+    let dataset = dataset();
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, teacher: &mut dyn Teacher| {
+        let path = folder.path().join(name);
+        let mut log = PreferenceLog::open(&path, &dataset).unwrap();
+        let learned = learn(
+            &config(),
+            &dataset,
+            teacher,
+            &mut log,
+            Seed::root(2),
+            Backend::Flex,
+        )
+        .unwrap();
+        (
+            std::fs::read(&path).unwrap(),
+            ExportedEnsemble::new(&learned.ensemble),
+        )
+    };
+    let (log, ensemble) = run("first.jsonl", &mut ScriptedTeacher::new(0.0).unwrap());
+    let mut replay = ReplayTeacher::open(folder.path().join("first.jsonl"), &dataset).unwrap();
+    let (copy, replayed) = run("second.jsonl", &mut replay);
+    assert_eq!(copy, log);
+    assert_eq!(replayed, ensemble);
+    // The answers matter: somebody who says the opposite gets another ensemble.
+    let (_, contrary) = run("third.jsonl", &mut Contrary);
+    assert_ne!(contrary, ensemble);
+}
+
+/// Prefers what the scripted teacher does not.
+struct Contrary;
+
+impl Teacher for Contrary {
+    fn name(&self) -> &str {
+        "contrary"
+    }
+
+    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
+        let [first, second] = query.segments;
+        let turned = Query {
+            segments: [second, first],
+        };
+        ScriptedTeacher::new(0.0)?.answer(dataset, &turned)
+    }
+}
