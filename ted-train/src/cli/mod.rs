@@ -14,6 +14,8 @@ mod study;
 mod table;
 mod train;
 
+use std::io::{self, Write};
+
 use clap::{Args, Parser, Subcommand};
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
@@ -77,14 +79,20 @@ impl OutputArgs {
         value: &impl serde::Serialize,
         text: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        if self.json {
-            let json = serde_json::to_string_pretty(value)
-                .map_err(|e| Failure::new(ExitCode::Failure, e))?;
-            println!("{json}");
+        let text = if self.json {
+            serde_json::to_string_pretty(value).map_err(|e| Failure::new(ExitCode::Failure, e))?
         } else {
-            println!("{}", text());
+            text()
+        };
+        match writeln!(io::stdout(), "{text}") {
+            // Whoever reads has seen enough, as `head` does.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            Err(error) => Err(Failure::new(
+                ExitCode::Storage,
+                format_args!("cannot write the result: {error}"),
+            )),
+            Ok(()) => Ok(()),
         }
-        Ok(())
     }
 }
 
