@@ -95,10 +95,10 @@ impl Config {
         let closed =
             |field, value: f64| within(field, value, (0.0..=1.0).contains(&value), "[0, 1]");
         match self.discount {
-            DiscountConfig::Constant { gamma } => closed("discount.gamma", gamma.into())?,
+            DiscountConfig::Constant { gamma } => closed("discount.gamma", as_written(gamma))?,
             DiscountConfig::Ted { gamma, k, sigma } => {
-                closed("discount.gamma", gamma.into())?;
-                closed("discount.sigma", sigma.into())?;
+                closed("discount.gamma", as_written(gamma))?;
+                closed("discount.sigma", as_written(sigma))?;
                 within("discount.k", k, (0.0..=100.0).contains(&k), "[0, 100]")?;
             }
         }
@@ -168,6 +168,11 @@ impl Config {
             "at least 1",
         )
     }
+}
+
+/// The double with the digits of a single: 1.01 stays 1.01 in a message.
+fn as_written(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(value.into())
 }
 
 /// The controller's core has room for this many layers of this width.

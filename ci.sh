@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Everything that must pass before a merge, cheapest first. Needs Rust and Python; the simulator's packages are installed
+# by the tests that need them. One profile throughout: burn is built once, and tests of numbers want it optimised.
+set -euo pipefail
+cd "$(dirname "$0")"
+if [ -n "${CI:-}" ]; then
+    export CARGO_TERM_COLOR=never CARGO_INCREMENTAL=0
+fi
+
+began=$SECONDS
+current="what is installed"
+
+clock() { printf '%d:%02d' $((($SECONDS - began) / 60)) $((($SECONDS - began) % 60)); }
+
+step() {
+    current=$1
+    printf '\n== %s  [%s]\n' "$1" "$(clock)"
+    "${@:2}"
+}
+
+finish() {
+    local status=$?
+    if [ "$status" -eq 0 ]; then
+        printf '\nall passed in %s\n' "$(clock)"
+    else
+        printf '\nfailed at: %s (after %s)\n' "$current" "$(clock)" >&2
+    fi
+}
+trap finish EXIT
+
+missing() {
+    printf 'missing: %s\n' "$1" >&2
+    exit 1
+}
+
+installed() {
+    command -v cargo >/dev/null || missing "cargo: install Rust 1.95 or newer from https://rustup.rs"
+    for component in fmt clippy; do
+        cargo "$component" --version >/dev/null 2>&1 && continue
+        local package=${component/fmt/rustfmt}
+        rustup component add "$package" 2>/dev/null || missing "cargo $component: rustup component add $package"
+    done
+    command -v python3 >/dev/null || missing "python3, version 3.10 to 3.13"
+    python3 -c 'import venv, ensurepip' 2>/dev/null || missing "Python's venv module: install the package python3-venv"
+    cargo --version
+    python3 --version
+}
+
+documented() {
+    RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --workspace --no-deps
+}
+
+without_std() {
+    cargo check --locked --release --package firmware-sim --lib --no-default-features
+    # On the device's own target too, where it is installed: the host would forgive a hidden use of std.
+    if rustup target list --installed 2>/dev/null | grep -qx thumbv7em-none-eabihf; then
+        cargo check --locked --release --package firmware-sim --lib --no-default-features --target thumbv7em-none-eabihf
+    fi
+}
+
+step "what is installed" installed
+step "format" cargo fmt --all -- --check
+step "the bridge's Python, as far as it needs no simulator" python3 -Es firmware-sim/metaworld-bridge/test_wire.py
+step "the controller without std" without_std
+step "no panic and no allocation in the device crates" tests/device-probe/check.sh
+step "lints" cargo clippy --locked --release --workspace --all-targets -- -D warnings
+step "documentation" documented
+step "tests" cargo test --locked --release --workspace

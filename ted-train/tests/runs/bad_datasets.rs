@@ -1,0 +1,116 @@
+//! Datasets that cannot be trained on: each named with its place, code 3, and no run begun.
+
+use std::fs::{self, File};
+use std::path::Path;
+
+use arrow_ipc::reader::FileReader;
+use arrow_ipc::writer::FileWriter;
+use serde_json::Value;
+
+use crate::command::{Desk, finish};
+use crate::dataset::{SHAPE, episodes, write};
+
+/// Writes good episodes, damages them on the disk, and expects the command to say so.
+#[track_caller]
+fn refused(damage: impl Fn(&Path), told: &[&str]) {
+    let desk = Desk::with_dataset();
+    let data = desk.dataset().join("data");
+    damage(&data);
+    let mut ended = finish(&mut desk.train("run", "oprl-i+ted", &[])).with(3);
+    for part in told {
+        ended = ended.telling(part);
+    }
+    assert!(!desk.run("run").exists(), "nothing was begun");
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_named_with_their_place() {
+    let desk = Desk::new();
+    for (array, value) in [("observations", f32::NAN), ("actions", f32::INFINITY)] {
+        let mut records = episodes(3, 30);
+        match array {
+            "observations" => records[1].observations[SHAPE.observation * 12 + 3] = value,
+            _ => records[1].actions[SHAPE.action * 12 + 3] = value,
+        }
+        let dataset = write(desk.folder.path(), array, &records);
+        finish(&mut desk.train_on(&dataset, "run", "true", &[]))
+            .with(3)
+            .telling(&format!("{array} of "))
+            .telling("/1/part-0.arrow")
+            .telling(&format!("holds {value} at row 12, column 3"));
+    }
+    assert!(!desk.run("run").exists(), "nothing was begun");
+}
+
+#[test]
+fn a_missing_episode_is_named() {
+    refused(
+        |data| fs::remove_dir_all(data.join("2")).unwrap(),
+        &["episode 2 of 6 is missing", "ted collect"],
+    );
+}
+
+#[test]
+fn a_file_without_rewards_is_named() {
+    refused(
+        |data| {
+            let part = data.join("1/part-0.arrow");
+            let reader = FileReader::try_new(File::open(&part).unwrap(), None).unwrap();
+            let schema = reader.schema();
+            let batches: Vec<_> = reader.map(Result::unwrap).collect();
+            let kept: Vec<usize> = (0..schema.fields().len())
+                .filter(|&i| schema.field(i).name() != "rewards")
+                .collect();
+            let schema = schema.project(&kept).unwrap();
+            let mut writer = FileWriter::try_new(File::create(&part).unwrap(), &schema).unwrap();
+            for batch in batches {
+                writer.write(&batch.project(&kept).unwrap()).unwrap();
+            }
+            writer.finish().unwrap();
+            forget_note(&data.join("1/metadata.json"));
+        },
+        &["no column `rewards`", "1/part-0.arrow"],
+    );
+}
+
+/// Without our own note an episode is what another program might have written, and its checksum is not known.
+fn forget_note(metadata: &Path) {
+    let mut json: Value = serde_json::from_slice(&fs::read(metadata).unwrap()).unwrap();
+    json.as_object_mut().unwrap().remove("ted").unwrap();
+    fs::write(metadata, json.to_string()).unwrap();
+}
+
+#[test]
+fn damaged_and_missing_files_are_named() {
+    refused(
+        |data| {
+            let part = data.join("0/part-0.arrow");
+            let mut bytes = fs::read(&part).unwrap();
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 1;
+            fs::write(part, bytes).unwrap();
+        },
+        &["0/part-0.arrow is damaged"],
+    );
+    refused(
+        |data| fs::remove_file(data.join("metadata.json")).unwrap(),
+        &["no metadata.json in", "ted collect"],
+    );
+    refused(
+        |data| fs::remove_dir_all(data.parent().unwrap()).unwrap(),
+        &["no dataset at", "ted collect"],
+    );
+}
+
+#[test]
+fn an_episode_shorter_than_a_segment_is_named_before_anybody_is_asked() {
+    let desk = Desk::new();
+    let mut records = episodes(3, 30);
+    records[2] = episodes(1, 9).remove(0);
+    let dataset = write(desk.folder.path(), "short", &records);
+    finish(&mut desk.train_on(&dataset, "run", "oprl-i", &[]))
+        .with(3)
+        .telling("episode 2 has 9 steps, fewer than the 10 of a segment");
+    // Whoever does not ask about segments does not mind.
+    finish(&mut desk.train_on(&dataset, "plain", "true", &[])).with(0);
+}

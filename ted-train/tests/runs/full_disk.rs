@@ -1,0 +1,75 @@
+//! A disk that is full: a limit on the size of files stands in for it, which every user may set and which fails writes in
+//! the same place.
+
+use std::fs;
+use std::process::Command;
+
+use crate::command::{Desk, assert_same_outcome, checkpoints, finish, kill, start_until};
+
+/// The command under a shell that lets no file grow beyond this many blocks of 512 bytes.
+fn limited(command: &Command, blocks: u32) -> Command {
+    let mut shell = Command::new("sh");
+    // Ignored, the signal leaves the write to fail as it does on a full disk.
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+    shell.args(["-c", &script]);
+    shell.arg(command.get_program()).args(command.get_args());
+    shell.current_dir(command.get_current_dir().unwrap());
+    shell
+}
+
+#[test]
+fn a_checkpoint_that_does_not_fit_leaves_the_one_before_and_the_run_goes_on_later() {
+    let desk = Desk::with_dataset();
+    // Checkpoints of 80 kB; metrics and events stay well below the limit of 40 kB.
+    let sets = [
+        "iql.steps=800",
+        "schedule.log_every=50",
+        "schedule.checkpoint_every=10",
+    ];
+    let train = |out: &str| desk.train(out, "true", &sets);
+    finish(&mut train("straight")).with(0);
+
+    let run = desk.run("full");
+    kill(start_until(&mut train("full"), || {
+        checkpoints(&run).len() == 2
+    }));
+    let before: Vec<_> = read_all(&run);
+    finish(&mut limited(&train("full"), 80))
+        .with(6)
+        .telling("no space left while writing")
+        .telling("checkpoints/");
+    assert!(
+        read_all(&run) == before,
+        "the checkpoints before are as they were"
+    );
+    assert!(!run.join("policy.ted").exists());
+
+    finish(&mut train("full")).with(0);
+    assert_same_outcome(&run, &desk.run("straight"));
+}
+
+fn read_all(run: &std::path::Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
+    let read = |path: std::path::PathBuf| (path.clone(), fs::read(path).unwrap());
+    checkpoints(run).into_iter().map(read).collect()
+}
+
+#[test]
+fn a_reward_or_artefact_that_does_not_fit_is_named_and_made_later() {
+    let desk = Desk::with_dataset();
+    let train = |out: &str| desk.train(out, "oprl-i+ted", &["reward.hidden=[64, 64]"]);
+    finish(&mut train("straight")).with(0);
+    let run = desk.run("full");
+    finish(&mut limited(&train("full"), 40))
+        .with(6)
+        .telling("no space left while writing")
+        .telling("reward.");
+    assert!(!run.join("reward.state").exists());
+    let answers = fs::read(run.join("preferences.jsonl")).unwrap();
+    finish(&mut train("full")).with(0);
+    assert_eq!(
+        fs::read(run.join("preferences.jsonl")).unwrap(),
+        answers,
+        "nobody was asked again"
+    );
+    assert_same_outcome(&run, &desk.run("straight"));
+}

@@ -1,0 +1,10 @@
+//! Runs of the `ted` command as a person has them: killed, stopped, repeated, on full disks and with bad files.
+
+mod bad_datasets;
+mod bad_settings;
+mod command;
+mod dataset;
+mod full_disk;
+mod interruptions;
+mod preference_files;
+mod repeatability;

@@ -1,0 +1,88 @@
+//! Preference files: replayed, torn, wrong, and about something else.
+
+use std::fs;
+
+use crate::command::{Desk, assert_same_outcome, finish};
+
+/// A finished run with its ten answers.
+fn answered() -> (Desk, String) {
+    let desk = Desk::with_dataset();
+    finish(&mut desk.train("first", "oprl-i+ted", &[])).with(0);
+    let log = fs::read_to_string(desk.run("first").join("preferences.jsonl")).unwrap();
+    assert_eq!(log.lines().count(), 10);
+    (desk, log)
+}
+
+#[test]
+fn a_run_is_replayed_from_its_preference_file_alone() {
+    let (desk, log) = answered();
+    fs::write(desk.run("answers.jsonl"), log).unwrap();
+    let mut train = desk.train("second", "oprl-i+ted", &[]);
+    finish(train.args(["--preferences", "answers.jsonl"])).with(0);
+    assert_same_outcome(&desk.run("first"), &desk.run("second"));
+}
+
+#[test]
+fn a_torn_last_line_is_recovered_told_and_asked_again() {
+    let (desk, log) = answered();
+    let whole: usize = log.split_inclusive('\n').take(6).map(str::len).sum();
+    fs::create_dir(desk.run("torn")).unwrap();
+    fs::write(
+        desk.run("torn").join("preferences.jsonl"),
+        &log[..whole + 40],
+    )
+    .unwrap();
+    finish(&mut desk.train("torn", "oprl-i+ted", &[]))
+        .with(0)
+        .telling("torn last line; 6 answers are kept");
+    assert_same_outcome(&desk.run("first"), &desk.run("torn"));
+}
+
+#[test]
+fn an_answer_that_is_none_of_the_three_is_refused_with_its_line() {
+    let (desk, log) = answered();
+    let third = log.lines().nth(2).unwrap();
+    let (before, after) = third.split_once("\"answer\":").unwrap();
+    let (_, after) = after.split_once(',').unwrap();
+    let wrong = log.replace(third, &format!("{before}\"answer\":0.7,{after}"));
+    fs::write(desk.run("answers.jsonl"), &wrong).unwrap();
+    let mut train = desk.train("second", "oprl-i+ted", &[]);
+    finish(train.args(["--preferences", "answers.jsonl"]))
+        .with(3)
+        .telling("line 3 of answers.jsonl has the answer 0.7");
+    // The same in the folder of the run itself: refused, and the file kept for whoever repairs it.
+    fs::create_dir(desk.run("third")).unwrap();
+    let kept = desk.run("third").join("preferences.jsonl");
+    fs::write(&kept, &wrong).unwrap();
+    finish(&mut desk.train("third", "oprl-i+ted", &[]))
+        .with(3)
+        .telling("has the answer 0.7");
+    assert_eq!(fs::read_to_string(kept).unwrap(), wrong);
+}
+
+#[test]
+fn answers_about_another_dataset_are_refused() {
+    let (desk, log) = answered();
+    fs::write(desk.run("answers.jsonl"), log).unwrap();
+    let other = crate::dataset::write(
+        desk.folder.path(),
+        "other",
+        &crate::dataset::episodes(5, 30),
+    );
+    let mut train = desk.train_on(&other, "second", "oprl-i+ted", &[]);
+    finish(train.args(["--preferences", "answers.jsonl"]))
+        .with(3)
+        .telling("line 1 of answers.jsonl")
+        .telling("ted/plain-v0");
+}
+
+#[test]
+fn too_few_answers_are_counted() {
+    let (desk, log) = answered();
+    let nine: String = log.split_inclusive('\n').take(9).collect();
+    fs::write(desk.run("answers.jsonl"), nine).unwrap();
+    let mut train = desk.train("second", "oprl-i+ted", &[]);
+    finish(train.args(["--preferences", "answers.jsonl"]))
+        .with(3)
+        .telling("has 9 answers and question 10 was asked");
+}

@@ -1,0 +1,98 @@
+//! The same configuration and seed give the same bytes; sigma = 1 gives plain IQL.
+
+use std::path::Path;
+
+use ted_policy::{Artifact, ArtifactBytes};
+
+use crate::command::{Desk, assert_same_outcome, checkpoints, finish};
+
+#[test]
+fn the_number_of_threads_does_not_show_in_any_byte() {
+    let desk = Desk::with_dataset();
+    // The widths of a real run, so that the work is split between threads where it ever is.
+    let sets = [
+        "iql.hidden=[256, 256]",
+        "iql.batch=256",
+        "iql.steps=12",
+        "reward.hidden=[256, 256]",
+        "reward.epochs=4",
+    ];
+    for threads in ["1", "2", "5"] {
+        let mut train = desk.train(threads, "oprl-i+ted", &sets);
+        finish(train.env("RAYON_NUM_THREADS", threads)).with(0);
+    }
+    assert_same_outcome(&desk.run("1"), &desk.run("2"));
+    assert_same_outcome(&desk.run("1"), &desk.run("5"));
+}
+
+#[test]
+fn another_seed_gives_other_questions_and_other_weights() {
+    let desk = Desk::with_dataset();
+    for seed in ["0", "1"] {
+        finish(desk.train(seed, "oprl-i", &[]).args(["--seed", seed])).with(0);
+    }
+    for file in ["preferences.jsonl", "metrics.jsonl", "policy.ted"] {
+        let read = |run: &str| std::fs::read(desk.run(run).join(file)).unwrap();
+        assert!(read("0") != read("1"), "{file}");
+    }
+}
+
+#[test]
+fn ted_with_sigma_one_is_plain_iql_to_the_bit() {
+    let desk = Desk::with_dataset();
+    for backend in ["flex", "ndarray"] {
+        let set = format!("backend={backend}");
+        let run = |name: &str, preset: &str, sets: &[&str]| {
+            let out = format!("{backend}-{name}");
+            let sets = [sets, &[set.as_str()]].concat();
+            finish(&mut desk.train(&out, preset, &sets)).with(0);
+            let run = desk.run(&out);
+            (
+                learned(&run),
+                std::fs::read(run.join("metrics.jsonl")).unwrap(),
+            )
+        };
+        let plain = run("plain", "oprl-i", &[]);
+        let neutral = run("neutral", "oprl-i+ted", &["discount.sigma=1.0"]);
+        assert!(neutral == plain, "{backend}");
+        let lowered = run("lowered", "oprl-i+ted", &[]);
+        assert!(lowered != plain, "{backend}: sigma = 0.7 does something");
+    }
+}
+
+/// What the last checkpoint holds behind the digest of the configuration: the step and every tensor.
+fn learned(run: &Path) -> Vec<u8> {
+    const MAGIC_AND_CRC: usize = 12;
+    const DIGEST: usize = 32;
+    let newest = checkpoints(run).pop().unwrap();
+    std::fs::read(newest)
+        .unwrap()
+        .split_off(MAGIC_AND_CRC + DIGEST)
+}
+
+#[test]
+fn the_artefact_says_where_it_comes_from_and_replays_its_golden_vectors() {
+    let desk = Desk::with_dataset();
+    finish(desk.train("run", "oprl-i+ted", &[]).args(["--seed", "4"])).with(0);
+    let bytes = ArtifactBytes::read(desk.run("run").join("policy.ted")).unwrap();
+    let artifact = Artifact::parse(&bytes).unwrap();
+    artifact
+        .verify_golden(&mut ted_core::Scratch::new())
+        .unwrap();
+    assert!(artifact.golden().cases().count() > 0);
+    let provenance = artifact.provenance();
+    assert_eq!(
+        (provenance.preset, provenance.seed, provenance.steps),
+        ("oprl-i+ted", 4, 60)
+    );
+    assert_eq!(provenance.dataset_id, "ted/plain-v0");
+    let digest =
+        |file: &str| *blake3::hash(&std::fs::read(desk.run("run").join(file)).unwrap()).as_bytes();
+    assert_eq!(provenance.config_digest.0, digest("config.toml"));
+    assert_eq!(
+        provenance.preferences_digest.unwrap().0,
+        digest("preferences.jsonl")
+    );
+    assert_eq!(artifact.contract().task, "reach-v3");
+    assert!(artifact.reward().is_some() && artifact.ted().is_some());
+}

@@ -1,0 +1,5 @@
+//! What was trained is what flies: from datasets through training and the artefact to the controller and its plants.
+
+mod binaries;
+mod metaworld;
+mod toy;

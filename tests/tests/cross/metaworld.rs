@@ -1,0 +1,142 @@
+//! The commands on the real simulator, which the first of them installs if none has before.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::binaries::{command, said};
+
+const TASK: &str = "reach-v3";
+
+fn collect(root: &Path, episodes: &str, workers: &str) -> Command {
+    let mut collect = command("ted");
+    collect.args([
+        "collect",
+        "--task",
+        TASK,
+        "--episodes",
+        episodes,
+        "--workers",
+        workers,
+    ]);
+    collect.args(["--json", "--root"]).arg(root);
+    collect
+}
+
+fn dataset(root: &Path, episodes: &str) -> PathBuf {
+    root.join(format!("ted/{TASK}-paper-n{episodes}-s0-v0"))
+}
+
+/// Every file below a folder with its bytes, locks aside.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !path.ends_with(".writer.lock") {
+                let bytes = fs::read(&path).unwrap();
+                files.push((path.strip_prefix(folder).unwrap().to_path_buf(), bytes));
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn a_killed_collection_goes_on_to_the_bytes_of_one_that_was_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let (straight, killed) = (folder.path().join("straight"), folder.path().join("killed"));
+    said(&mut collect(&straight, "4", "2"), &[0]);
+
+    let mut child = collect(&killed, "4", "1")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let first = dataset(&killed, "4").join("data/0");
+    while !first.exists() && child.try_wait().unwrap().is_none() {
+        // Looks again after a moment; how long it is changes nothing.
+        std::thread::park_timeout(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    assert_eq!(child.wait().unwrap().code(), None, "killed before its end");
+    assert!(!dataset(&killed, "4").join("data/metadata.json").exists());
+
+    let report: Value = serde_json::from_str(&said(&mut collect(&killed, "4", "2"), &[0])).unwrap();
+    let collected = report[0]["collected"].as_u64().unwrap();
+    assert!(
+        (1..4).contains(&collected),
+        "what was there was kept: {report}"
+    );
+    let there = contents(&dataset(&straight, "4"));
+    let here = contents(&dataset(&killed, "4"));
+    let names = |files: &[(PathBuf, Vec<u8>)]| -> Vec<PathBuf> {
+        files.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names(&here), names(&there));
+    for ((name, here), (_, there)) in here.iter().zip(&there) {
+        assert!(here == there, "{} differs", name.display());
+    }
+}
+
+#[test]
+fn the_trainer_s_evaluation_and_firmware_sim_fly_agree_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    said(&mut collect(root, "3", "2"), &[0]);
+    let mut train = command("ted");
+    train.current_dir(root).arg("train").arg(dataset(root, "3"));
+    train.args([
+        "--preset",
+        "true",
+        "--seed",
+        "5",
+        "--out",
+        "run",
+        "--json",
+        "--workers",
+        "2",
+    ]);
+    for set in [
+        "iql.steps=50",
+        "iql.hidden=[32]",
+        "schedule.evaluation_episodes=2",
+    ] {
+        train.args(["--set", set]);
+    }
+    let trained: Value = serde_json::from_str(&said(&mut train, &[0])).unwrap();
+
+    let mut eval = command("ted");
+    eval.current_dir(root)
+        .args(["eval", "run", "--episodes", "2", "--workers", "1", "--json"]);
+    let evaluated: Value = serde_json::from_str(&said(&mut eval, &[0])).unwrap();
+    assert_eq!(evaluated, trained);
+
+    let mut fly = command("firmware-sim");
+    fly.current_dir(root)
+        .args(["fly", "run/policy.ted", "--episodes", "2", "--seed", "5"]);
+    // A policy of fifty updates may well leave the range it knows: then both must say so.
+    let flown: Value = serde_json::from_str(&said(fly.arg("--json"), &[0, 7])).unwrap();
+    let returns: Vec<&Value> = flown["episodes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|e| &e["return"])
+        .collect();
+    let expected: Vec<&Value> = evaluated["returns"].as_array().unwrap().iter().collect();
+    assert_eq!(returns, expected);
+    assert_ne!(returns[0], returns[1]);
+    for field in ["return_mean", "return_sd", "faulted", "score", "task"] {
+        assert_eq!(flown[field], evaluated[field], "{field}");
+    }
+    let held: Value =
+        serde_json::from_slice(&fs::read(root.join("run/evaluation.json")).unwrap()).unwrap();
+    assert_eq!(held, evaluated);
+}

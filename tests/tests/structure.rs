@@ -1,0 +1,141 @@
+//! What ARCHITECTURE.md and CONTRIBUTING.md promise about the source itself.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Each crate depends on the one before it and on nothing after it.
+const LINE: [&str; 5] = [
+    "ted-core",
+    "ted-policy",
+    "firmware-sim",
+    "ted-train",
+    "ted-tests",
+];
+
+/// The longest that a file may be.
+const LINES: usize = 500;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+#[test]
+fn the_crates_depend_on_each_other_in_one_line() {
+    let output = Command::new(env!("CARGO"))
+        .args([
+            "metadata",
+            "--no-deps",
+            "--format-version",
+            "1",
+            "--offline",
+        ])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    let mut names: Vec<&str> = packages
+        .iter()
+        .map(|p| p["name"].as_str().unwrap())
+        .collect();
+    names.sort_by_key(|name| LINE.iter().position(|member| member == name));
+    assert_eq!(names, LINE, "the members of the workspace");
+    for package in packages {
+        let place = |name: &Value| LINE.iter().position(|member| name == member);
+        let own = place(&package["name"]).unwrap();
+        // Of every kind: a test or a build script must not turn the line around either.
+        let dependencies = package["dependencies"].as_array().unwrap();
+        let on: Vec<usize> = dependencies
+            .iter()
+            .filter_map(|d| place(&d["name"]))
+            .collect();
+        assert!(
+            on.iter().all(|&other| other < own),
+            "{} depends on a later crate",
+            LINE[own]
+        );
+        assert!(
+            own == 0 || on.contains(&(own - 1)),
+            "{} skips the crate before it",
+            LINE[own]
+        );
+    }
+}
+
+#[test]
+fn every_source_file_says_first_what_it_is() {
+    for path in files(&["rs"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(
+            text.starts_with("//! "),
+            "{} does not begin with //!",
+            path.display()
+        );
+    }
+    for path in files(&["py"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        let after_shebang = text
+            .strip_prefix("#!/usr/bin/env python3\n")
+            .unwrap_or(&text);
+        assert!(
+            after_shebang.starts_with("\"\"\""),
+            "{} has no docstring",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn no_file_is_longer_than_one_idea() {
+    for path in files(&["rs", "py", "sh", "md", "toml"]) {
+        let lines = fs::read_to_string(&path).unwrap().lines().count();
+        assert!(lines <= LINES, "{} has {lines} lines", path.display());
+    }
+}
+
+#[test]
+fn no_test_is_switched_off_or_content_with_any_panic() {
+    for path in files(&["rs"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        for attribute in ["ignore", "should_panic"] {
+            let written = format!("#[{attribute}");
+            assert!(!text.contains(&written), "{} has {written}", path.display());
+        }
+    }
+}
+
+/// The project's own files with one of these extensions.
+fn files(extensions: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
+            if path.is_dir() {
+                // What .gitignore names, and what is hidden.
+                let foreign = ["target", "runs", "data", "__pycache__"].contains(&name.as_str());
+                if !foreign && !name.starts_with('.') {
+                    folders.push(path);
+                }
+            } else if extension.is_some_and(|e| extensions.contains(&e.as_str())) {
+                found.push(path);
+            }
+        }
+    }
+    assert!(
+        found
+            .iter()
+            .any(|path| path.starts_with(root().join("ted-core")) || extensions != ["rs"])
+    );
+    found
+}
