@@ -95,6 +95,7 @@ impl Mlp {
     }
 
     /// A perceptron of given layers.
+    #[cfg(test)]
     pub(crate) fn from_layers(layers: Vec<Linear>, output: Activation) -> Self {
         Self { layers, output }
     }

@@ -27,7 +27,6 @@ const SMALL: [&str; 12] = [
 #[derive(Debug)]
 pub struct Ended {
     pub code: Option<i32>,
-    pub signal: Option<i32>,
     pub said: String,
     pub told: String,
 }
@@ -113,7 +112,6 @@ pub fn finish(command: &mut Command) -> Ended {
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     Ended {
         code: output.status.code(),
-        signal: output.status.signal(),
         said: text(output.stdout),
         told: text(output.stderr),
     }

@@ -40,8 +40,10 @@ fn binary(name: &str) -> PathBuf {
     // Cargo lists there what the command was made from.
     let sources = fs::read_to_string(profile.join(name).with_extension("d")).unwrap();
     let (_, sources) = sources.split_once(": ").unwrap();
-    for source in sources.split_whitespace() {
-        let changed = fs::metadata(source).and_then(|m| m.modified());
+    // A space inside a path is escaped, as in a makefile.
+    let sources = sources.trim_end().replace("\\ ", "\0");
+    for source in sources.split(' ').map(|path| path.replace('\0', " ")) {
+        let changed = fs::metadata(&source).and_then(|m| m.modified());
         assert!(
             changed.is_ok_and(|changed| changed <= built),
             "{name} is older than {source}: {way_out}"

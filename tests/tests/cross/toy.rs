@@ -46,7 +46,7 @@ fn recording(seed: u64) -> EpisodeRecord {
         let observation = plant.observe().unwrap().values;
         let mut action = [0.0; ACTION_DIM];
         policy.act(&observation, &mut scratch, &mut action).unwrap();
-        if rng.random_bool(0.6) {
+        if rng.random_bool(0.5) {
             action = std::array::from_fn(|_| rng.random_range(-1.0..=1.0));
         }
         let outcome = plant.apply(&action).unwrap();
@@ -63,9 +63,9 @@ fn recording(seed: u64) -> EpisodeRecord {
 fn config() -> Config {
     Config {
         iql: IqlConfig {
-            steps: 1500,
-            batch: 64,
-            hidden: vec![32, 32],
+            steps: 4000,
+            batch: 128,
+            hidden: vec![64, 64],
             learning_rate: 1e-3,
             ..IqlConfig::default()
         },
@@ -79,7 +79,7 @@ fn config() -> Config {
 
 #[test]
 fn a_policy_learned_from_a_bad_pilot_flies_better_than_it_and_replays_without_a_difference() {
-    let records: Vec<_> = (100..140).map(recording).collect();
+    let records: Vec<_> = (100..200).map(recording).collect();
     let dataset = Dataset::from_records("ted/toy-v0", SHAPE, &records).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let reference = DatasetReference {
