@@ -60,10 +60,9 @@ pub(super) fn learn(
     );
     if let Some(checkpoint) =
         folder.newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
+        && checkpoint.config_digest == digest
     {
-        if checkpoint.config_digest == digest {
-            iql.restore(&checkpoint).map_err(RunError::from)?;
-        }
+        iql.restore(&checkpoint).map_err(RunError::from)?;
     }
     let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;
     let mut events = EventWriter::create(folder.path(), iql.step())?;
@@ -80,7 +79,7 @@ pub(super) fn learn(
         progress.advance(1);
         let step = iql.step();
         let last = step == config.iql.steps;
-        if step % config.schedule.log_every == 0 || last {
+        if step.is_multiple_of(config.schedule.log_every) || last {
             let update = losses.read();
             finite(&update, step)?;
             let row = OfflineMetrics {
@@ -91,7 +90,7 @@ pub(super) fn learn(
             events.push("iql", step, &row)?;
             progress.message(&format!("value {:.3}", update.value));
         }
-        if step % config.schedule.checkpoint_every == 0 || last {
+        if step.is_multiple_of(config.schedule.checkpoint_every) || last {
             folder.save(&iql.checkpoint(digest))?;
         }
     }
