@@ -102,7 +102,7 @@ class Session:
     def _step(self, payload):
         if not self._in_episode:
             raise Refusal(messages.NO_EPISODE, "a step outside an episode: reset first")
-        self._action[:] = np.frombuffer(payload, "<f4", ACTION)
+        self._action[:] = np.frombuffer(payload, "<f4").reshape(ACTION)
         observation, reward, success, terminated, truncated = self._task.step(self._action)
         self._in_episode = not (terminated or truncated)
         self._observation[:] = observation

@@ -86,7 +86,10 @@ impl Disk {
 
     /// Puts `bytes` in the place of `path` in one step: a reader sees the old file or the new one.
     pub(crate) fn replace(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-        let temporary = path.with_extension("tmp");
+        let mut name = std::ffi::OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(".tmp");
+        let temporary = path.with_file_name(name);
         self.write(&temporary, bytes)?;
         rename(&temporary, path)
     }
@@ -96,6 +99,7 @@ impl Disk {
 pub(crate) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
     fs::rename(from, to).map_err(|error| WriteError::at(to, error))?;
     match to.parent() {
+        Some(folder) if folder.as_os_str().is_empty() => sync_folder(Path::new(".")),
         Some(folder) => sync_folder(folder),
         None => Ok(()),
     }

@@ -89,20 +89,20 @@ impl DiscountConfig {
 /// The border of the top `k` percent, rounded to whole episodes.
 fn threshold(returns_hat: &[f32], k: f64) -> ReturnThreshold {
     let keep = (returns_hat.len() as f64 * k / 100.0).round() as usize;
+    if keep >= returns_hat.len() {
+        // Also an episode worse than all of these is in then.
+        return ReturnThreshold::ALL;
+    }
+    let Some(last) = keep.checked_sub(1) else {
+        return ReturnThreshold::NONE;
+    };
     let mut order: Vec<u32> = (0..).take(returns_hat.len()).collect();
     // Adding zero makes -0.0 the 0.0 that the lookup compares it as.
     let key = |i: u32| returns_hat[i as usize] + 0.0;
     order.sort_by(|&i, &j| key(j).total_cmp(&key(i)));
-    match keep
-        .min(order.len())
-        .checked_sub(1)
-        .and_then(|last| order.get(last))
-    {
-        Some(&last) => ReturnThreshold {
-            return_hat: returns_hat[last as usize],
-            last_tied_episode: last,
-        },
-        None => ReturnThreshold::NONE,
+    ReturnThreshold {
+        return_hat: returns_hat[order[last] as usize],
+        last_tied_episode: order[last],
     }
 }
 

@@ -66,10 +66,7 @@ impl Ends for WriteError {
 
 impl Ends for PreferenceError {
     fn exit_code(&self) -> ExitCode {
-        match self {
-            Self::DiskFull { .. } | Self::Write { .. } => ExitCode::Storage,
-            _ => ExitCode::BadInput,
-        }
+        Self::exit_code(self)
     }
 }
 

@@ -66,11 +66,7 @@ pub(super) fn labels(
             .clone()
             .map(|step| {
                 let (observation, action) = (dataset.observation(step), dataset.action(step));
-                if run.config().unit_rewards {
-                    ensemble.reward_hat(observation, action, &mut scratch)
-                } else {
-                    ensemble.raw(observation, action, &mut scratch)
-                }
+                ensemble.reward_hat(observation, action, &mut scratch)
             })
             .collect::<Result<Vec<_>, _>>()?;
         all = all.and(Distance::between(&computed, &run.labels().rewards[steps]));

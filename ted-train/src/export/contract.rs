@@ -14,7 +14,7 @@ const MAX_OBSERVATION_AGE_US: u32 = 2 * CONTROL_PERIOD_US;
 const RANGE_MARGIN: f32 = 0.5;
 
 /// ... and at least by this much, in the channel's unit, so that a channel that never moved can.
-const RANGE_FLOOR: f32 = 0.1;
+const RANGE_FLOOR: f32 = 0.02;
 
 /// Owned names and ranges, from which the artefact's contract borrows.
 pub struct ContractText {

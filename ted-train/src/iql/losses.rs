@@ -8,8 +8,7 @@ use burn::tensor::Tensor;
 use super::IqlConfig;
 
 /// `mean |tau - 1(u < 0)| u^2` with `u = q - v`, and its gradient in `v` (paper Eq. 6, L_V).
-#[must_use]
-pub fn expectile_loss(q: Tensor<3>, v: Tensor<3>, tau: f64) -> (Tensor<3>, Tensor<3>) {
+pub(super) fn expectile_loss(q: Tensor<3>, v: Tensor<3>, tau: f64) -> (Tensor<3>, Tensor<3>) {
     let batch = v.dims()[1] as f64;
     let u = q - v;
     // tau where u >= 0 and 1 - tau where u < 0.
@@ -26,8 +25,7 @@ pub fn expectile_loss(q: Tensor<3>, v: Tensor<3>, tau: f64) -> (Tensor<3>, Tenso
 
 /// Advantage-weighted negative log-likelihood of the data's actions under a diagonal Gaussian, and its gradients in the
 /// mean and in the log standard deviation `[lane, 1, action]` (paper Eq. 6, L_pi).
-#[must_use]
-pub fn policy_loss(
+pub(super) fn policy_loss(
     mean: Tensor<3>,
     log_std: Tensor<3>,
     actions: Tensor<3>,
@@ -63,8 +61,7 @@ pub fn policy_loss(
 }
 
 /// `mean (q - y)^2` of every head, and its gradient in `q`; the critic loss is the sum over heads (paper Eq. 7).
-#[must_use]
-pub fn critic_loss(q: Tensor<3>, y: Tensor<3>) -> (Tensor<3>, Tensor<3>) {
+pub(super) fn critic_loss(q: Tensor<3>, y: Tensor<3>) -> (Tensor<3>, Tensor<3>) {
     let batch = q.dims()[1] as f64;
     let error = q - y;
     (

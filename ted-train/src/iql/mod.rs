@@ -31,7 +31,7 @@ mod tests;
 mod update;
 
 pub use config::IqlConfig;
-pub use losses::{critic_loss, expectile_loss, policy_loss};
+use losses::{critic_loss, expectile_loss, policy_loss};
 pub use networks::{ACTOR_OUTPUT, Iql};
 pub use replay::Replay;
 pub use update::{Batch, UpdateMetrics};

@@ -4,11 +4,11 @@ use nalgebra::DMatrix;
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-/// How the weights of a layer are drawn; biases start at zero.
+/// How the weights and biases of a layer are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initialiser {
-    /// Orthogonal with gain sqrt(2) (ikostrikov/implicit_q_learning `common.py`).
+    /// Orthogonal with gain sqrt(2), biases zero (ikostrikov/implicit_q_learning `common.py`).
     Orthogonal,
     /// Uniform in +-1/sqrt(inputs), weights and biases (PyTorch's default, used by OPRL's reward networks).
     UniformFanIn,

@@ -7,9 +7,9 @@
 
 mod adam;
 mod export;
-mod host;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod host;
 mod init;
 mod mlp;
 #[cfg(test)]

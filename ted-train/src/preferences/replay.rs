@@ -5,7 +5,8 @@ use super::{Answer, LogEntry, PreferenceError, PreferenceLog, Query, Teacher};
 use crate::dataset::Dataset;
 use std::path::Path;
 
-/// Gives the answers of a log to the same questions in the same order, so that a run can be repeated from the file alone.
+/// Gives the answers of a log to the same questions in the same order, so that a run can be repeated, or gone on with, from
+/// the file alone.
 #[derive(Clone, Debug)]
 pub struct ReplayTeacher {
     name: String,
@@ -45,21 +46,21 @@ impl Teacher for ReplayTeacher {
 
     fn answer(&mut self, _: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
         let number = self.asked + 1;
-        let entry = self
-            .entries
-            .get(self.asked)
-            .ok_or(PreferenceError::ReplayExhausted {
-                answers: self.entries.len(),
-                number,
-            })?;
-        if entry.query != *query {
-            return Err(PreferenceError::OtherQuestion {
+        let rest = &self.entries[self.asked..];
+        let expected = rest.first().ok_or(PreferenceError::ReplayExhausted {
+            answers: self.entries.len(),
+            number,
+        })?;
+        // A run that goes on takes its first answers from its own log and asks here only for the later ones.
+        let skipped = rest
+            .iter()
+            .position(|entry| entry.query == *query)
+            .ok_or_else(|| PreferenceError::OtherQuestion {
                 number,
                 asked: describe(query),
-                logged: describe(&entry.query),
-            });
-        }
-        self.asked += 1;
-        Ok(entry.answer)
+                logged: describe(&expected.query),
+            })?;
+        self.asked += skipped + 1;
+        Ok(rest[skipped].answer)
     }
 }

@@ -24,23 +24,19 @@ use crate::rng::Seed;
 use crate::train::TrainError;
 
 /// The designs that are compared: a name and what it changes of the defaults.
-pub const DESIGNS: [(&str, &[&str]); 10] = [
+pub const DESIGNS: [(&str, &[&str]); 9] = [
     ("default", &[]),
     ("observation only", &["reward.inputs=observation"]),
+    ("raw inputs", &["reward.scaling={kind=\"raw\"}"]),
     (
         "standardised, floor 0.001",
         &["reward.scaling={kind=\"standard\", floor=0.001}"],
     ),
-    (
-        "standardised, floor 0.05",
-        &["reward.scaling={kind=\"standard\", floor=0.05}"],
-    ),
-    ("raw", &["reward.scaling={kind=\"raw\"}"]),
     ("linear output", &["reward.output=linear"]),
-    ("hidden 64-64", &["reward.hidden=[64, 64]"]),
     ("hidden 256-256", &["reward.hidden=[256, 256]"]),
     ("50 epochs", &["reward.epochs=50"]),
     ("1000 epochs", &["reward.epochs=1000"]),
+    ("learning rate 1e-3", &["reward.learning_rate=1e-3"]),
 ];
 
 /// One ensemble: what it was and what it knows.
@@ -141,20 +137,18 @@ impl StudyLog {
     /// When the folder cannot be made.
     pub fn open(folder: &Path) -> Result<Self, WriteError> {
         disk::create_folder(folder)?;
-        let text = std::fs::read_to_string(folder.join("cells.jsonl")).unwrap_or_default();
+        let path = folder.join("cells.jsonl");
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
         let cells: Vec<Cell> = text
             .lines()
             .map_while(|line| serde_json::from_str(line).ok())
             .collect();
-        let mut log = Self {
+        let whole: String = text.split_inclusive('\n').take(cells.len()).collect();
+        disk::replace(&path, whole.as_bytes())?;
+        Ok(Self {
             folder: folder.to_path_buf(),
-            cells: Vec::new(),
-        };
-        disk::replace(&log.path(), b"")?;
-        for cell in cells {
-            log.push(cell)?;
-        }
-        Ok(log)
+            cells,
+        })
     }
 
     fn path(&self) -> PathBuf {

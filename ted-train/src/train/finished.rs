@@ -71,8 +71,9 @@ impl FinishedRun {
             shift: self.shift(),
             scale: self.scale(),
             actor: self.actor(),
-            reward: self.reward(),
-            ted: self.ted,
+            // The controller maps rewards to [0, 1]: it cannot repeat a learner that was given raw ones.
+            reward: self.reward().filter(|_| self.config.unit_rewards),
+            ted: self.ted.filter(|_| self.config.unit_rewards),
             preset: self.config.preset.name(),
             seed: self.config.seed,
             steps: self.config.iql.steps,

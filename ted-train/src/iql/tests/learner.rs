@@ -29,7 +29,8 @@ fn the_actor_s_rate_falls_along_a_cosine_to_zero_and_stays_there() {
     assert_eq!(config.actor_rate(0), 0.5);
     assert!((config.actor_rate(500) - 0.25).abs() < 1e-15);
     assert_eq!(config.actor_rate(1000), 0.0);
-    assert_eq!(config.actor_rate(5000), 0.0);
+    assert_eq!(config.actor_rate(1500), 0.0);
+    assert_eq!(config.actor_rate(2000), 0.0);
     let rates: Vec<f64> = (0..=1000).map(|step| config.actor_rate(step)).collect();
     assert!(rates.is_sorted_by(|earlier, later| earlier > later));
 }

@@ -32,5 +32,4 @@ pub use config::{InputScaling, OprlConfig, RewardInputs};
 pub use ensemble::{Ensemble, Fit, LabelledPair};
 pub use inputs::InputMap;
 pub use learn::{HeldOut, LearnError, Learned, held_out_agreement, learn};
-pub use loss::bradley_terry;
 pub use state::ExportedEnsemble;

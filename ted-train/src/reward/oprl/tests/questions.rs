@@ -173,6 +173,38 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
 }
 
 #[test]
+fn a_shared_answer_is_learned_by_every_member() {
+    let dataset = dataset();
+    let folder = tempfile::tempdir().unwrap();
+    let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), &dataset).unwrap();
+    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let config = OprlConfig {
+        epochs: 150,
+        ..config()
+    };
+    let seed = Seed::root(2);
+    let learned = learn(
+        &config,
+        &dataset,
+        &mut teacher,
+        &mut log,
+        seed,
+        Backend::Flex,
+    )
+    .unwrap();
+    for entry in &log.entries()[7..] {
+        let returns = learned
+            .ensemble
+            .segment_returns(&dataset, &entry.query.segments);
+        for (member, r) in returns.iter().enumerate() {
+            let prefers_second = r[1] > r[0];
+            let wanted = entry.answer == Answer::Second;
+            assert_eq!(prefers_second, wanted, "member {member}, {entry:?}");
+        }
+    }
+}
+
+#[test]
 fn the_log_alone_replays_the_run_to_the_bit() {
     let dataset = dataset();
     let folder = tempfile::tempdir().unwrap();
