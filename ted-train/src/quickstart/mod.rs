@@ -130,10 +130,10 @@ impl QuickstartConfig {
         }
     }
 
+    /// One folder for each choice, so that another size is another run.
     fn run_folder(&self) -> PathBuf {
-        self.out
-            .join(&self.task)
-            .join(format!("seed-{}", self.seed))
+        let name = format!("n{}-u{}-s{}", self.episodes, self.steps, self.seed);
+        self.out.join(&self.task).join(name)
     }
 }
 
@@ -173,6 +173,13 @@ pub fn quickstart(
     let folder = RunFolder::begin(&config.run_folder(), &training, &reference)?;
     let mut teacher = Narrator::new(ScriptedTeacher::new(0.0)?, audience);
     train(&dataset, &training, &folder, &mut teacher, audience)?;
+    if teacher.asked() == 0 {
+        let log = folder.file("preferences.jsonl");
+        audience.note(&format!(
+            "  the questions were asked before: {}",
+            log.display()
+        ));
+    }
 
     stage(4, "the artefact");
     audience.note(&format!("{}", folder.artefact_path().display()));

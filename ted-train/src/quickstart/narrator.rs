@@ -20,6 +20,11 @@ impl<T: Teacher> Narrator<T> {
             asked: 0,
         }
     }
+
+    /// Questions that came here; those that a log answers do not.
+    pub(super) fn asked(&self) -> u32 {
+        self.asked
+    }
 }
 
 impl<T: Teacher> Teacher for Narrator<T> {
@@ -77,7 +82,7 @@ mod tests {
         let mut narrator = Narrator::new(ScriptedTeacher::new(0.0).unwrap(), Audience::Nobody);
         assert_eq!(narrator.name(), "teacher:true-return");
         let answer = narrator.answer(&dataset, &query).unwrap();
-        assert_eq!((answer, narrator.asked), (Answer::Equal, 1));
+        assert_eq!((answer, narrator.asked()), (Answer::Equal, 1));
         assert_eq!(
             sentence(&dataset, &query, Answer::Second),
             "episode 0 from step 1 or episode 1 from step 2, 2 steps each? \
