@@ -28,7 +28,7 @@ pub enum Inspection {
     /// A run folder.
     Run(Box<RunText>),
     /// A dataset.
-    Dataset(DatasetText),
+    Dataset(Box<DatasetText>),
 }
 
 /// Why something cannot be inspected.
@@ -78,7 +78,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, InspectError> {
         Ok(Inspection::Run(Box::new(RunText::read(&folder)?)))
     } else if path.is_dir() {
         let dataset = Dataset::open(path)?;
-        Ok(Inspection::Dataset(DatasetText::new(path, &dataset)))
+        Ok(Inspection::Dataset(Box::new(DatasetText::new(path, &dataset))))
     } else {
         Err(InspectError::Nothing {
             path: path.to_path_buf(),
