@@ -78,7 +78,9 @@ pub fn inspect(path: &Path) -> Result<Inspection, InspectError> {
         Ok(Inspection::Run(Box::new(RunText::read(&folder)?)))
     } else if path.is_dir() {
         let dataset = Dataset::open(path)?;
-        Ok(Inspection::Dataset(Box::new(DatasetText::new(path, &dataset))))
+        Ok(Inspection::Dataset(Box::new(DatasetText::new(
+            path, &dataset,
+        ))))
     } else {
         Err(InspectError::Nothing {
             path: path.to_path_buf(),
