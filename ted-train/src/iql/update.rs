@@ -36,7 +36,7 @@ pub struct UpdateMetrics {
 }
 
 impl Iql {
-    /// One update on a batch. The metrics are lazy: [`Losses::read`] fetches them when somebody wants to log.
+    /// One update on a batch. The metrics are lazy: `Losses::read` fetches them when somebody wants to log.
     pub fn update(&mut self, batch: &Batch) -> Losses {
         let lanes = self.log_std.dims()[0];
         let rows = batch.rewards.len() / lanes;
