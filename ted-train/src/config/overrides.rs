@@ -193,7 +193,7 @@ mod tests {
             "steps=7",
             "reward.epoch=1",
             "discount.kk=1",
-            "reward.scaling.floor=0.1",
+            "reward.scaling={kind=\"raw\", floor=0.1}",
         ] {
             let error = resolve(&[set]).unwrap_err().to_string();
             assert!(error.contains("unknown field"), "{set}: {error}");

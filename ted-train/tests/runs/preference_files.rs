@@ -23,6 +23,18 @@ fn a_run_is_replayed_from_its_preference_file_alone() {
 }
 
 #[test]
+fn a_replay_that_was_killed_between_two_answers_goes_on() {
+    let (desk, log) = answered();
+    let four: String = log.split_inclusive('\n').take(4).collect();
+    fs::write(desk.run("answers.jsonl"), log).unwrap();
+    fs::create_dir(desk.run("second")).unwrap();
+    fs::write(desk.run("second").join("preferences.jsonl"), four).unwrap();
+    let mut train = desk.train("second", "oprl-i+ted", &[]);
+    finish(train.args(["--preferences", "answers.jsonl"])).with(0);
+    assert_same_outcome(&desk.run("first"), &desk.run("second"));
+}
+
+#[test]
 fn a_torn_last_line_is_recovered_told_and_asked_again() {
     let (desk, log) = answered();
     let whole: usize = log.split_inclusive('\n').take(6).map(str::len).sum();

@@ -245,7 +245,7 @@ fn a_disk_that_fills_up_while_finishing_keeps_the_previous_metadata() {
     let before = tree(&folder);
     fs::write(folder.join("data").join(METADATA), b"{}").unwrap();
     let full_for_metadata = Disk::with_create(|path| {
-        let full = path.ends_with("data/metadata.tmp");
+        let full = path.ends_with("data/.metadata.json.tmp");
         if full {
             File::create("/dev/full")
         } else {
