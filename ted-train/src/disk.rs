@@ -90,8 +90,12 @@ impl Disk {
         name.push(path.file_name().unwrap_or_default());
         name.push(".tmp");
         let temporary = path.with_file_name(name);
-        self.write(&temporary, bytes)?;
-        rename(&temporary, path)
+        self.write(&temporary, bytes)
+            .and_then(|()| rename(&temporary, path))
+            .inspect_err(|_| {
+                // What was begun would keep the space that is missing. It may never have come to exist.
+                let _ = fs::remove_file(&temporary);
+            })
     }
 }
 

@@ -4,7 +4,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use rand::Rng;
 
 use super::Initialiser;
-use super::host::in_place;
+use super::host::{self, in_place};
 
 /// The function applied to the output of the last layer. Hidden layers are always ReLU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -123,10 +123,10 @@ impl Mlp {
         let mut h = x;
         for (i, layer) in self.layers.iter().enumerate() {
             seen(&h);
-            let z = h.matmul(layer.weight.clone()) + layer.bias.clone();
+            let mut z = h.matmul(layer.weight.clone());
+            host::add_bias(&mut z, &layer.bias, i != last);
             h = match (i == last, self.output) {
-                (false, _) => z.clamp_min(0.0),
-                (true, Activation::Linear) => z,
+                (false, _) | (true, Activation::Linear) => z,
                 (true, Activation::Tanh) => z.tanh(),
             };
         }
@@ -147,8 +147,8 @@ impl Mlp {
             let weight = input.clone().swap_dims(1, 2).matmul(delta.clone());
             if i > 0 {
                 // ReLU passes the gradient where its output is positive.
-                let active = input.greater_elem(0.0).float();
-                delta = delta.matmul(layer.weight.clone().swap_dims(1, 2)) * active;
+                delta = delta.matmul(layer.weight.clone().swap_dims(1, 2));
+                host::mask_inactive(&mut delta, input);
             }
             gradients.push(Linear { weight, bias });
         }
