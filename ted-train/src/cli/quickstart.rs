@@ -23,11 +23,11 @@ Examples:
   ted quickstart --task drawer-open-v3 --episodes 1000 --steps 50000
   ted quickstart --json
 
-Three to six minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
+Two to six minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
 A stopped quickstart goes on where it was. The method at full size: ted collect, ted train.";
 
 /// A task that ten answers teach well: its learned rewards follow the true ones closely whatever the seed. With the sizes
-/// below, the policies of four seeds out of four solved every episode; with a third of the data they overfit.
+/// below, the policies of five seeds out of five solved every episode; with a third of the data they overfit.
 const DEFAULT_TASK: &str = "faucet-open-v3";
 
 /// Collect, ask ten questions, learn a reward and a policy, export, fly and cross-check, at reduced size
