@@ -97,7 +97,9 @@ impl Ends for TrainError {
             }
             Self::Export(error) => error.exit_code(),
             Self::Diverged { .. } => ExitCode::Failure,
-            Self::Interrupted { .. } => ExitCode::Interrupted,
+            Self::Learn(LearnError::Interrupted) | Self::Interrupted { .. } => {
+                ExitCode::Interrupted
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::digest::{EpisodeArrays, combine};
 use super::in_memory::{Dataset, Episode};
+use super::record::check_finite;
 use super::{DatasetError, EpisodeRecord, Shape};
 use rayon::prelude::*;
 
@@ -141,22 +142,12 @@ fn finish(
     for (narrow, &reward) in rewards_f32.iter_mut().zip(&filled.rewards) {
         *narrow = reward as f32;
     }
-    let not_finite = |array, width: usize, values: &[f32]| match values
-        .iter()
-        .position(|value| !value.is_finite())
-    {
-        None => Ok(()),
-        Some(index) => Err(DatasetError::NotFinite {
-            place: filled.place.clone(),
-            array,
-            row: index / width,
-            column: index % width,
-            value: f64::from(values[index]),
-        }),
+    let finite = |array, width, values: &[f32]| {
+        check_finite(&filled.place, array, width, values.iter().copied())
     };
-    not_finite("observations", shape.observation, slots.observations)?;
-    not_finite("actions", shape.action, slots.actions)?;
-    not_finite("rewards", 1, rewards_f32)?;
+    finite("observations", shape.observation, slots.observations)?;
+    finite("actions", shape.action, slots.actions)?;
+    finite("rewards", 1, rewards_f32)?;
     let hash = EpisodeArrays {
         observations: slots.observations,
         actions: slots.actions,

@@ -62,7 +62,8 @@ impl EpisodeRecord {
         self.success.iter().any(|&solved| solved)
     }
 
-    /// Checks that every array has the length the episode and `shape` ask for; `place` names the episode in the error.
+    /// Checks that every array has the length the episode and `shape` ask for and that what is learned from is finite; `place`
+    /// names the episode in the error.
     pub fn check(&self, shape: Shape, place: &str) -> Result<(), DatasetError> {
         let steps = self.steps();
         if steps == 0 {
@@ -96,6 +97,37 @@ impl EpisodeRecord {
                 });
             }
         }
-        Ok(())
+        let rewards = self.rewards.iter().map(|&reward| reward as f32);
+        check_finite(
+            place,
+            "observations",
+            shape.observation,
+            self.observations.iter().copied(),
+        )?;
+        check_finite(place, "actions", shape.action, self.actions.iter().copied())?;
+        check_finite(place, "rewards", 1, rewards)
+    }
+}
+
+/// Refuses a NaN or an infinity in an array of rows of `width` values.
+pub(super) fn check_finite(
+    place: &str,
+    array: &'static str,
+    width: usize,
+    values: impl IntoIterator<Item = f32>,
+) -> Result<(), DatasetError> {
+    match values
+        .into_iter()
+        .enumerate()
+        .find(|(_, value)| !value.is_finite())
+    {
+        None => Ok(()),
+        Some((index, value)) => Err(DatasetError::NotFinite {
+            place: place.into(),
+            array,
+            row: index / width,
+            column: index % width,
+            value: f64::from(value),
+        }),
     }
 }

@@ -70,6 +70,16 @@ impl MetricsLog {
             .map_err(|source| WriteError::at(&self.path, source))?;
         Ok(row)
     }
+
+    /// Waits until every row is on the disk: a checkpoint must not outlive the rows before it.
+    ///
+    /// # Errors
+    /// When the disk fails.
+    pub fn sync(&self) -> Result<(), WriteError> {
+        self.file
+            .sync_data()
+            .map_err(|source| WriteError::at(&self.path, source))
+    }
 }
 
 #[cfg(test)]

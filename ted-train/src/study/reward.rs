@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use firmware_sim::interrupt;
-use firmware_sim::progress::Progress;
+use firmware_sim::progress::{Audience, Progress};
 use serde::{Deserialize, Serialize};
 use ted_core::RewardRange;
 
@@ -17,7 +17,7 @@ use crate::config::{Overrides, Preset};
 use crate::dataset::Dataset;
 use crate::disk::{self, WriteError};
 use crate::preferences::{PreferenceLog, ScriptedTeacher};
-use crate::reward::oprl::{ExportedEnsemble, OprlConfig, held_out_agreement, learn};
+use crate::reward::oprl::{ExportedEnsemble, LearnError, OprlConfig, held_out_agreement, learn};
 use crate::reward::quality::RewardQuality;
 use crate::reward::{Labels, RewardConfig, ensemble_labels};
 use crate::rng::Seed;
@@ -78,6 +78,7 @@ pub fn measure(
         &mut log,
         root,
         crate::nn::Backend::Flex,
+        Audience::Nobody,
     )
     .map_err(failed)?;
     let held_out = held_out_agreement(config, &learned.ensemble, dataset, root)
@@ -182,7 +183,7 @@ impl StudyLog {
         for (design, config) in designs {
             for seed in 0..seeds {
                 if interrupt::requested() {
-                    return Err(TrainError::Interrupted { step: seed });
+                    return Err(LearnError::Interrupted.into());
                 }
                 let known = |c: &Cell| {
                     c.config == *config && c.task == task && c.seed == seed && c.design == *design

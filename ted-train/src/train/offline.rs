@@ -72,6 +72,7 @@ pub(super) fn learn(
     let stream = root.child("iql/batch");
     while iql.step() < config.iql.steps {
         if interrupt::requested() {
+            metrics.sync()?;
             folder.save(&iql.checkpoint(digest))?;
             return Err(TrainError::Interrupted { step: iql.step() });
         }
@@ -91,6 +92,7 @@ pub(super) fn learn(
             progress.message(&format!("value {:.3}", update.value));
         }
         if step.is_multiple_of(config.schedule.checkpoint_every) || last {
+            metrics.sync()?;
             folder.save(&iql.checkpoint(digest))?;
         }
     }

@@ -179,7 +179,6 @@ fn ensemble_of(
             recovered.kept
         ));
     }
-    audience.note(&format!("learn a reward from {} answers", oprl.queries()));
     let learned = learn(
         oprl,
         dataset,
@@ -187,6 +186,7 @@ fn ensemble_of(
         &mut log,
         root.child("reward"),
         config.backend,
+        audience,
     )?;
     let held_out = held_out_agreement(oprl, &learned.ensemble, dataset, root.child("reward"))
         .map_err(LearnError::from)?;

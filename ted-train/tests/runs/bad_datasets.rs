@@ -25,14 +25,22 @@ fn refused(damage: impl Fn(&Path), told: &[&str]) {
 
 #[test]
 fn numbers_that_are_not_finite_are_named_with_their_place() {
+    /// A number that occurs nowhere else, to be found in the file.
+    const MARK: f32 = 1234.5677;
     let desk = Desk::new();
     for (array, value) in [("observations", f32::NAN), ("actions", f32::INFINITY)] {
         let mut records = episodes(3, 30);
         match array {
-            "observations" => records[1].observations[SHAPE.observation * 12 + 3] = value,
-            _ => records[1].actions[SHAPE.action * 12 + 3] = value,
+            "observations" => records[1].observations[SHAPE.observation * 12 + 3] = MARK,
+            _ => records[1].actions[SHAPE.action * 12 + 3] = MARK,
         }
         let dataset = write(desk.folder.path(), array, &records);
+        let part = dataset.join("data/1/part-0.arrow");
+        let mut bytes = fs::read(&part).unwrap();
+        let at = bytes.windows(4).position(|four| four == MARK.to_le_bytes());
+        bytes[at.unwrap()..][..4].copy_from_slice(&value.to_le_bytes());
+        fs::write(&part, bytes).unwrap();
+        forget_note(&dataset.join("data/1/metadata.json"));
         finish(&mut desk.train_on(&dataset, "run", "true", &[]))
             .with(3)
             .telling(&format!("{array} of "))

@@ -137,6 +137,14 @@ pub fn kill(mut child: Child) -> bool {
     child.wait().unwrap().signal() == Some(9)
 }
 
+/// Asks a process to stop.
+pub fn terminate(child: &Child) {
+    let asked = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status();
+    assert!(asked.unwrap().success());
+}
+
 /// Complete lines of a file, none if it does not exist.
 pub fn lines(path: &Path) -> usize {
     std::fs::read(path).map_or(0, |bytes| bytes.iter().filter(|&&b| b == b'\n').count())

@@ -1,12 +1,14 @@
 //! Killed, stopped and crowded runs.
 
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use rand::RngExt;
 use ted_train::rng::Seed;
 
-use crate::command::{Desk, assert_same_outcome, checkpoints, finish, kill, lines, start_until};
+use crate::command::{
+    Desk, assert_same_outcome, checkpoints, finish, kill, lines, start_until, terminate,
+};
 
 #[test]
 fn a_run_killed_again_and_again_ends_with_the_bytes_of_one_that_was_left_alone() {
@@ -89,10 +91,7 @@ fn a_run_asked_to_stop_saves_says_so_and_goes_on_to_the_same_bytes() {
     let child = start_until(train("stopped").stderr(Stdio::null()), || {
         lines(&metrics) >= 20
     });
-    let stop = Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
-        .status();
-    assert!(stop.unwrap().success());
+    terminate(&child);
     let ended = child.wait_with_output().unwrap();
     assert_eq!(ended.status.code(), Some(130));
     assert_eq!(checkpoints(&run).len(), 1);
@@ -100,6 +99,19 @@ fn a_run_asked_to_stop_saves_says_so_and_goes_on_to_the_same_bytes() {
     finish(&mut train("stopped")).with(0);
     finish(&mut train("straight")).with(0);
     assert_same_outcome(&run, &desk.run("straight"));
+}
+
+#[test]
+fn a_run_asked_to_stop_while_it_learns_the_reward_keeps_the_answers() {
+    let desk = Desk::with_dataset();
+    let answers = desk.run("run").join("preferences.jsonl");
+    let mut endless = desk.train("run", "oprl-i", &["reward.epochs=100000000"]);
+    let child = start_until(&mut endless, || lines(&answers) >= 7);
+    terminate(&child);
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130));
+    assert_eq!(lines(&answers), 7);
+    assert!(!desk.run("run").join("reward.state").exists());
 }
 
 #[test]

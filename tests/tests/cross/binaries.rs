@@ -37,8 +37,10 @@ fn binary(name: &str) -> PathBuf {
     let way_out = "run `cargo test --release --workspace`, or build the commands first";
     let built = fs::metadata(&binary).and_then(|m| m.modified());
     let built = built.unwrap_or_else(|_| panic!("no {}: {way_out}", binary.display()));
-    // Cargo lists there what the command was made from.
-    let sources = fs::read_to_string(profile.join(name).with_extension("d")).unwrap();
+    // Cargo lists there what the command was made from; a build that shares its outputs may leave the list out.
+    let Ok(sources) = fs::read_to_string(profile.join(name).with_extension("d")) else {
+        return binary;
+    };
     let (_, sources) = sources.split_once(": ").unwrap();
     // A space inside a path is escaped, as in a makefile.
     let sources = sources.trim_end().replace("\\ ", "\0");

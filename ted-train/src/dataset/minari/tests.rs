@@ -275,6 +275,16 @@ fn a_record_that_is_inconsistent_is_not_written() {
             .starts_with("qpos of episode 0: expected 21 values"),
         "{error}"
     );
+    let mut record = records(&LENGTHS).remove(0);
+    record.rewards[1] = f64::NAN;
+    let error = writer.write(0, behaviour(), &record).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("rewards of episode 0 holds NaN at row 1"),
+        "{error}"
+    );
+    assert!(!writer.folder().join("data/0").exists());
 }
 
 #[test]

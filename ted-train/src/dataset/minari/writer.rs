@@ -52,10 +52,13 @@ impl DatasetWriter {
         let lock = lock(&folder)?;
         let namespace = root.join(id.namespace()).join(NAMESPACE_METADATA);
         if !namespace.exists() {
-            disk.replace(
-                &namespace,
+            // Begun in our own, locked folder: another collection may be doing the same.
+            let begun = folder.join(NAMESPACE_METADATA);
+            disk.write(
+                &begun,
                 b"{\"description\": \"Datasets collected by ted.\"}\n",
             )?;
+            rename(&begun, &namespace)?;
         }
         let writer = Self {
             id,

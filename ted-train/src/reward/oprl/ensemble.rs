@@ -61,8 +61,14 @@ impl Ensemble {
         }
     }
 
-    /// Full-batch training on the pairs of each member, all members having equally many; a new Adam each time.
-    pub fn train(&mut self, dataset: &Dataset, pairs: &[Vec<LabelledPair>]) -> Fit {
+    /// Full-batch training on the pairs of each member, all members having equally many; a new Adam each time. After each
+    /// epoch `going_on` is asked; when it says no, there is no fit and the ensemble is of no use.
+    pub fn train(
+        &mut self,
+        dataset: &Dataset,
+        pairs: &[Vec<LabelledPair>],
+        going_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Fit> {
         let device = self.backend.device();
         let (members, count) = (pairs.len(), pairs[0].len());
         let segment = self.config.segment as usize;
@@ -101,6 +107,9 @@ impl Ensemble {
             self.config
                 .adam
                 .step(&mut self.network, &mut adam, gradients, rate, epoch);
+            if !going_on() {
+                return None;
+            }
         }
 
         let returns = returns(self.network.forward(x));
@@ -118,10 +127,10 @@ impl Ensemble {
             .clone()
             .filter(|(p, r)| (r[1] > r[0]) == (p.label > 0.5))
             .count();
-        Fit {
+        Some(Fit {
             loss: loss.mean().into_scalar::<f32>(),
             agreement: agrees as f32 / strict.count().max(1) as f32,
-        }
+        })
     }
 
     /// Return of each segment as each member sees it: `[member][segment]`.

@@ -1,5 +1,7 @@
 //! The procedure: ask each member's own question, train, then ask, train, ask, train what is most disputed.
 
+use firmware_sim::interrupt;
+use firmware_sim::progress::Audience;
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Dataset, SegmentError, SegmentSampler};
@@ -28,12 +30,15 @@ pub enum LearnError {
     /// An answer could not be had or kept.
     #[error(transparent)]
     Preference(#[from] PreferenceError),
+    /// Somebody asked to stop.
+    #[error("stopped while learning a reward: every answer is kept and the same command goes on")]
+    Interrupted,
 }
 
 /// Learns a reward ensemble from exactly `members + rounds` answers, each appended to `log` before it is used.
 ///
 /// # Errors
-/// When the dataset has no segment that long, or the teacher or the log fails.
+/// When the dataset has no segment that long, the teacher or the log fails, or somebody asks to stop.
 pub fn learn(
     config: &OprlConfig,
     dataset: &Dataset,
@@ -41,6 +46,7 @@ pub fn learn(
     log: &mut PreferenceLog,
     seed: Seed,
     backend: Backend,
+    audience: Audience,
 ) -> Result<Learned, LearnError> {
     let sampler = SegmentSampler::new(dataset, config.segment)?;
     let mut ensemble = Ensemble::new(
@@ -67,7 +73,14 @@ pub fn learn(
         };
         pairs.push(vec![ask(context, random_pair(&sampler, &mut rng))?]);
     }
-    let mut fits = vec![ensemble.train(dataset, &pairs)];
+    let epochs = u64::from(config.epochs) * u64::from(1 + config.rounds);
+    let progress = audience.start("learn a reward", epochs, "epochs");
+    let mut going_on = || {
+        progress.advance(1);
+        !interrupt::requested()
+    };
+    let first = ensemble.train(dataset, &pairs, &mut going_on);
+    let mut fits = vec![first.ok_or(LearnError::Interrupted)?];
     for round in 1..=config.rounds {
         let mut rng = seed.child(&format!("query/round/{round}")).rng();
         let segments = most_disputed(&ensemble, dataset, &sampler, config.pool, &mut rng);
@@ -79,8 +92,10 @@ pub fn learn(
             segments,
         )?;
         pairs.iter_mut().for_each(|own| own.push(pair));
-        fits.push(ensemble.train(dataset, &pairs));
+        let fit = ensemble.train(dataset, &pairs, &mut going_on);
+        fits.push(fit.ok_or(LearnError::Interrupted)?);
     }
+    progress.finish();
     Ok(Learned { ensemble, fits })
 }
 

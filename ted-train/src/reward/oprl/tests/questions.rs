@@ -1,5 +1,6 @@
 //! Which questions are asked: the most disputed ones, and ten in all.
 
+use firmware_sim::progress::Audience;
 use rand::RngExt;
 
 use crate::dataset::{Dataset, Segment, SegmentSampler};
@@ -156,6 +157,7 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
         &mut log,
         seed,
         Backend::Flex,
+        Audience::Nobody,
     )
     .unwrap();
     assert_eq!((teacher.asked, config.queries()), (10, 10));
@@ -190,6 +192,7 @@ fn a_shared_answer_is_learned_by_every_member() {
         &mut log,
         seed,
         Backend::Flex,
+        Audience::Nobody,
     )
     .unwrap();
     for entry in &log.entries()[7..] {
@@ -218,6 +221,7 @@ fn the_log_alone_replays_the_run_to_the_bit() {
             &mut log,
             Seed::root(2),
             Backend::Flex,
+            Audience::Nobody,
         )
         .unwrap();
         (

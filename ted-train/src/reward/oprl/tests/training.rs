@@ -11,6 +11,7 @@ use crate::reward::oprl::{
     ExportedEnsemble, InputScaling, OprlConfig, RewardInputs, held_out_agreement, learn,
 };
 use crate::rng::Seed;
+use firmware_sim::progress::Audience;
 use ted_core::RewardRange;
 
 use super::{SEGMENT, SHAPE, config, dataset, ensemble};
@@ -33,7 +34,16 @@ fn with_many_answers_the_ensemble_orders_segments_that_nobody_was_asked_about() 
             &dataset,
             seed,
         );
-        let learned = learn(&config, &dataset, &mut teacher, &mut log, seed, backend).unwrap();
+        let learned = learn(
+            &config,
+            &dataset,
+            &mut teacher,
+            &mut log,
+            seed,
+            backend,
+            Audience::Nobody,
+        )
+        .unwrap();
         let held_out = held_out_agreement(&config, &learned.ensemble, &dataset, seed).unwrap();
         assert!(fresh.unwrap().agreement < 0.8);
         assert!(held_out.agreement > 0.85, "{held_out:?}");
@@ -60,7 +70,7 @@ fn an_equal_answer_pulls_the_two_returns_together() {
             segments,
             label: 0.5,
         };
-        ensemble.train(&dataset, &vec![vec![pair]; 7]);
+        ensemble.train(&dataset, &vec![vec![pair]; 7], &mut || true);
         let after = gap(&ensemble);
         assert!(after < 0.2 * before, "{after} from {before}");
     }
