@@ -3,42 +3,12 @@
 //! A controller exists only for an artefact that passed its load gate. Once a check fails, the reason is latched and
 //! the safe action goes out until someone decides otherwise.
 
-use core::error::Error;
-use core::fmt;
-
 use ted_core::{Policy, Scratch};
 use ted_policy::{Artifact, ArtifactError};
 
 use crate::safety::{
     Action, ActionGuard, Deadline, Fault, ObservationFrame, ObservationGuard, Sent,
 };
-
-/// Why a controller does not take a parsed artefact on board.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum LoadFault {
-    /// An action channel is to be zeroed on a fault, but zero is outside its range.
-    NoSafeAction {
-        /// The channel.
-        channel: usize,
-    },
-    /// This machine does not compute the golden vectors bit for bit.
-    Golden(ArtifactError),
-}
-
-impl fmt::Display for LoadFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSafeAction { channel } => write!(
-                f,
-                "fly the artefact: action channel {channel} has no zero in its range to stop at; export it again"
-            ),
-            Self::Golden(error) => write!(f, "fly the artefact: {error}"),
-        }
-    }
-}
-
-impl Error for LoadFault {}
 
 /// What a tick did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,26 +43,20 @@ pub struct Controller<'a> {
 }
 
 impl<'a> Controller<'a> {
-    /// The load gate. What parsing proved holds already: shapes, finite weights, ordered ranges, at least one golden
-    /// vector. Here the plant must have a way to stop, and this machine must compute the golden vectors bit for bit.
+    /// The load gate. What parsing proved holds already: shapes, finite weights, ordered ranges, a way to stop, at least
+    /// one golden vector. Here this machine must compute the golden vectors bit for bit.
     ///
     /// # Errors
-    /// What the artefact failed on; it does not fly then.
-    pub fn load(artifact: &Artifact<'a>) -> Result<Self, LoadFault> {
+    /// The golden vector it failed on; the artefact does not fly then.
+    pub fn load(artifact: &Artifact<'a>) -> Result<Self, ArtifactError> {
         let contract = artifact.contract();
-        let action_guard = ActionGuard::new(contract);
-        if let Some(channel) = action_guard.channel_without_stop() {
-            return Err(LoadFault::NoSafeAction { channel });
-        }
         let mut scratch = Scratch::new();
-        artifact
-            .verify_golden(&mut scratch)
-            .map_err(LoadFault::Golden)?;
+        artifact.verify_golden(&mut scratch)?;
         Ok(Self {
             policy: artifact.policy(),
             scratch,
             observation_guard: ObservationGuard::new(contract),
-            action_guard,
+            action_guard: ActionGuard::new(contract),
             deadline: Deadline::new(contract.control_period_us),
             latched: None,
             tick: 0,

@@ -1,17 +1,17 @@
 //! The controller, one tick at a time: what it refuses to load, what it refuses to fly on, and what it sends.
 
-use firmware_sim::controller::{Controller, LoadFault};
+use firmware_sim::controller::Controller;
 use firmware_sim::plants::toy::{artifact_bytes, artifact_spec};
 use firmware_sim::safety::{Action, Fault, ObservationFrame};
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy};
-use ted_policy::{Artifact, ArtifactBytes, ArtifactSpec, write};
+use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ArtifactSpec, SafeAction, write};
 
 const PERIOD_US: u64 = 10_000;
 const GOOD: [f32; 5] = [-0.5, 0.25, 0.5, 0.25, 0.0];
 
 fn loaded<T>(
     spec: &ArtifactSpec<'_>,
-    then: impl FnOnce(Result<Controller<'_>, LoadFault>) -> T,
+    then: impl FnOnce(Result<Controller<'_>, ArtifactError>) -> T,
 ) -> T {
     let bytes = ArtifactBytes::from_vec(write(spec).unwrap());
     then(Controller::load(&Artifact::parse(&bytes).unwrap()))
@@ -276,11 +276,23 @@ fn a_policy_that_overflows_is_stopped() {
 }
 
 #[test]
-fn an_artefact_whose_plant_could_not_be_stopped_is_not_loaded() {
+fn the_contract_says_which_channel_holds_on_a_fault_and_not_its_name() {
     let mut spec = artifact_spec().unwrap();
-    spec.contract.action[1].low = 0.25;
-    let refused = loaded(&spec, |controller| controller.unwrap_err());
-    assert_eq!(refused, LoadFault::NoSafeAction { channel: 1 });
+    for channel in &mut spec.contract.action {
+        channel.on_fault = match channel.on_fault {
+            SafeAction::Zero => SafeAction::HoldLast,
+            SafeAction::HoldLast => SafeAction::Zero,
+        };
+    }
+    loaded(&spec, |controller| {
+        let mut controller = controller.unwrap();
+        let (flown, fault) = tick(&mut controller, 0, &[0.0, 0.0, 0.9, -0.9, 0.0]);
+        assert_eq!(fault, None);
+        assert!(flown.iter().all(|&value| value != 0.0), "{flown:?}");
+        let (safe, fault) = tick(&mut controller, 1, &[]);
+        assert!(fault.is_some());
+        assert_eq!(safe, [flown[0], flown[1], 0.0]);
+    });
 }
 
 #[test]
@@ -322,7 +334,10 @@ fn a_machine_that_computes_other_bits_does_not_fly() {
     mend_checksum(&mut bytes);
     let bytes = ArtifactBytes::from_vec(bytes);
     let refused = Controller::load(&Artifact::parse(&bytes).unwrap()).unwrap_err();
-    assert!(matches!(refused, LoadFault::Golden(_)), "{refused}");
+    assert!(
+        matches!(refused, ArtifactError::GoldenMismatch { .. }),
+        "{refused}"
+    );
 }
 
 /// The checksum is a CRC-32 of the file with the checksum's own four bytes, at offset 12, left as zeros.

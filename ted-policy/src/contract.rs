@@ -32,6 +32,18 @@ pub struct ActionChannel<'a> {
     pub high: f32,
     /// Largest change from one tick to the next.
     pub slew_per_tick: f32,
+    /// What is sent once the policy no longer flies.
+    pub on_fault: SafeAction,
+}
+
+/// What an action channel is sent while a fault is latched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SafeAction {
+    /// Zero: a motion stops.
+    Zero,
+    /// What was sent last: a gripper keeps its grip.
+    HoldLast,
 }
 
 /// What a policy expects of the world, and what it promises.
@@ -56,7 +68,7 @@ impl<'a> Contract<'a> {
     ///
     /// # Errors
     /// When a list is empty or too long, a name is empty, a range is not finite and ordered, a slew limit is not
-    /// positive, or the control period is zero.
+    /// positive, a channel is to stop at a zero that it may not be sent, or the control period is zero.
     pub fn new(
         task: &'a str,
         observation: &[ObservationChannel<'a>],
@@ -117,6 +129,7 @@ impl<'a> Contract<'a> {
                 low,
                 high,
                 slew_per_tick,
+                on_fault,
                 ..
             },
         ) in self.action.iter().enumerate()
@@ -124,6 +137,9 @@ impl<'a> Contract<'a> {
             let ordered = low.is_finite() && high.is_finite() && low < high;
             if name.is_empty() || !ordered || !slew_per_tick.is_finite() || *slew_per_tick <= 0.0 {
                 return Err(ContractFault::Action { channel });
+            }
+            if *on_fault == SafeAction::Zero && !(*low..=*high).contains(&0.0) {
+                return Err(ContractFault::NoSafeAction { channel });
             }
         }
         if self.control_period_us == 0 {
@@ -164,6 +180,11 @@ pub enum ContractFault {
         /// Which channel.
         channel: usize,
     },
+    /// An action channel is to be sent zero on a fault, but zero is outside its range.
+    NoSafeAction {
+        /// Which channel.
+        channel: usize,
+    },
     /// The control period is zero.
     ControlPeriod,
 }
@@ -187,6 +208,10 @@ impl fmt::Display for ContractFault {
             Self::Action { channel } => write!(
                 f,
                 "action channel {channel} needs a name, a finite range with low < high and a positive slew limit"
+            ),
+            Self::NoSafeAction { channel } => write!(
+                f,
+                "action channel {channel} stops at zero, which is outside its range: widen the range or hold the last action"
             ),
             Self::ControlPeriod => f.write_str("the control period is zero"),
         }

@@ -28,7 +28,7 @@ mod load;
 mod write;
 
 pub use artifact::Artifact;
-pub use contract::{ActionChannel, Contract, ContractFault, ObservationChannel};
+pub use contract::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
 pub use digest::{Digest, DigestError};
 pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
 pub use error::{ArtifactError, Place};

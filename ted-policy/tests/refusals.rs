@@ -10,7 +10,7 @@ use ted_core::{
 };
 use ted_policy::{
     ActionChannel, ArtifactError, ArtifactSpec, Contract, ContractFault, ObservationChannel, Place,
-    Provenance, WriteError, write,
+    Provenance, SafeAction, WriteError, write,
 };
 
 fn refusal(spec: &ArtifactSpec<'_>) -> ArtifactError {
@@ -44,6 +44,7 @@ fn contract(observation: usize, action: usize) -> Contract<'static> {
         low: -1.0,
         high: 1.0,
         slew_per_tick: 1.0,
+        on_fault: SafeAction::Zero,
     };
     Contract::new("t", &vec![x; observation], &vec![dx; action], 1, 1).unwrap()
 }
@@ -292,6 +293,7 @@ fn a_contract_that_cannot_be_kept_is_refused() {
         low: -1.0,
         high: 1.0,
         slew_per_tick: 1.0,
+        on_fault: SafeAction::Zero,
     };
     let new =
         |observation: &[_], action: &[_]| Contract::new("t", observation, action, 1, 1).map(|_| ());
@@ -367,6 +369,16 @@ fn a_contract_that_cannot_be_kept_is_refused() {
             Err(ContractFault::Action { channel: 1 })
         );
     }
+    let never_zero = ActionChannel { low: 0.5, ..dx };
+    assert_eq!(
+        new(&[x], &[dx, never_zero]),
+        Err(ContractFault::NoSafeAction { channel: 1 })
+    );
+    let held = ActionChannel {
+        on_fault: SafeAction::HoldLast,
+        ..never_zero
+    };
+    assert_eq!(new(&[x], &[dx, held]), Ok(()));
     assert_eq!(
         Contract::new("", &[x], &[dx], 1, 1),
         Err(ContractFault::Task)

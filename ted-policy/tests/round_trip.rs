@@ -8,7 +8,7 @@ use support::{full, full_bytes, minimal};
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy, Scratch};
 use ted_policy::{
     ActionChannel, Artifact, ArtifactBytes, ArtifactSpec, Contract, ObservationChannel, Provenance,
-    write,
+    SafeAction, write,
 };
 
 #[test]
@@ -192,7 +192,7 @@ proptest! {
         let normaliser = Normaliser::new(take(inputs), &scale).unwrap();
         let policy = Policy::new(normaliser, Mlp::new(&layers, Output::Tanh).unwrap()).unwrap();
         let observation = ObservationChannel { name: "o", unit: "", low: -2.0, high: 2.0 };
-        let action = ActionChannel { name: "a", unit: "", low: -1.0, high: 1.0, slew_per_tick: 1.0 };
+        let action = ActionChannel { name: "a", unit: "", low: -1.0, high: 1.0, slew_per_tick: 1.0, on_fault: SafeAction::Zero };
         let minimal = minimal();
         let spec = ArtifactSpec {
             contract: Contract::new(&task, &vec![observation; inputs], &vec![action; outputs], 1, 0).unwrap(),

@@ -16,10 +16,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Sender};
 use std::thread;
 
-use ted_policy::Artifact;
+use ted_policy::{Artifact, ArtifactError};
 use thiserror::Error;
 
-use crate::controller::{Controller, LoadFault};
+use crate::controller::Controller;
 use crate::exit::ExitCode;
 use crate::plant::{Plant, PlantError};
 use crate::splitmix::mix;
@@ -54,8 +54,8 @@ pub struct Flight {
 #[derive(Debug, Error)]
 pub enum FlyError {
     /// The controller does not take the artefact.
-    #[error(transparent)]
-    Load(#[from] LoadFault),
+    #[error("fly the artefact: {0}")]
+    Load(#[from] ArtifactError),
     /// No plant could be had for a worker.
     #[error("make a plant ready: {0}")]
     NoPlant(#[source] PlantError),

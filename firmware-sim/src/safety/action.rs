@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use ted_core::MAX_ACTION;
-use ted_policy::{ActionChannel, Contract};
+use ted_policy::{ActionChannel, Contract, SafeAction};
 
 use super::Fault;
 
@@ -32,29 +32,7 @@ struct Limit {
     low: f32,
     high: f32,
     slew_per_tick: f32,
-    safe: SafeAction,
-}
-
-/// The action channel that keeps its last command while a fault is latched; all others are sent zero.
-pub const HELD_CHANNEL: &str = "gripper";
-
-/// What a channel is sent while a fault is latched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SafeAction {
-    /// Zero: a motion stops.
-    Zero,
-    /// What was sent last: a gripper keeps its grip.
-    HoldLast,
-}
-
-impl SafeAction {
-    fn of(channel: &ActionChannel<'_>) -> Self {
-        if channel.name == HELD_CHANNEL {
-            Self::HoldLast
-        } else {
-            Self::Zero
-        }
-    }
+    on_fault: SafeAction,
 }
 
 impl ActionGuard {
@@ -68,14 +46,6 @@ impl ActionGuard {
             last_sent.push(limit.rest()).ok();
         }
         Self { limits, last_sent }
-    }
-
-    /// The first channel that stops at zero but must not be sent zero.
-    #[must_use]
-    pub fn channel_without_stop(&self) -> Option<usize> {
-        self.limits
-            .iter()
-            .position(|limit| limit.safe == SafeAction::Zero && limit.rest() != 0.0)
     }
 
     /// The nearest action to the wanted one that may go out.
@@ -107,7 +77,7 @@ impl ActionGuard {
     /// It stops at once: the slew limit protects against a jumping policy and is not applied to stopping.
     pub fn send_safe(&mut self) -> Action {
         for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
-            if limit.safe == SafeAction::Zero {
+            if limit.on_fault == SafeAction::Zero {
                 *last = limit.rest();
             }
         }
@@ -128,13 +98,14 @@ impl Limit {
             low,
             high,
             slew_per_tick,
+            on_fault,
             ..
         } = *channel;
         Self {
             low,
             high,
             slew_per_tick,
-            safe: SafeAction::of(channel),
+            on_fault,
         }
     }
 

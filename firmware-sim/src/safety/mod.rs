@@ -7,7 +7,7 @@ mod deadline;
 mod fault;
 mod observation;
 
-pub use action::{Action, ActionGuard, HELD_CHANNEL, Sent};
+pub use action::{Action, ActionGuard, Sent};
 pub use deadline::{DEADLINE_LIMIT, Deadline};
 pub use fault::Fault;
 pub use observation::{ObservationFrame, ObservationGuard};

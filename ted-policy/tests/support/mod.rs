@@ -10,7 +10,7 @@ use ted_core::{
 };
 use ted_policy::{
     ActionChannel, ArtifactBytes, ArtifactSpec, Contract, Digest, HEADER_LENGTH,
-    ObservationChannel, Provenance, write,
+    ObservationChannel, Provenance, SafeAction, write,
 };
 
 pub static SHIFT: [f32; 3] = [0.5, -0.25, 2.0];
@@ -100,6 +100,7 @@ pub fn minimal() -> ArtifactSpec<'static> {
                 low: -1.0,
                 high: 1.0,
                 slew_per_tick: 2.0,
+                on_fault: SafeAction::Zero,
             }],
             12_500,
             25_000,
@@ -136,12 +137,13 @@ fn contract() -> Contract<'static> {
         low,
         high: 3.0,
     };
-    let action = |name| ActionChannel {
+    let action = |name, on_fault| ActionChannel {
         name,
         unit: "cm",
         low: -1.0,
         high: 1.0,
         slew_per_tick: 0.5,
+        on_fault,
     };
     Contract::new(
         "drawer-open-v3",
@@ -150,7 +152,10 @@ fn contract() -> Contract<'static> {
             observation("hand_y", 0.0),
             observation("hand_z", 3.0),
         ],
-        &[action("hand_dx"), action("grip")],
+        &[
+            action("hand_dx", SafeAction::Zero),
+            action("grip", SafeAction::HoldLast),
+        ],
         12_500,
         30_000,
     )

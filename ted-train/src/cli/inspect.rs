@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use ted_policy::SafeAction;
 
 use crate::inspect::{ArtefactText, DatasetText, Inspection, NetworkText, RunText, inspect};
 
@@ -177,6 +178,7 @@ fn action_table(artefact: &ArtefactText) -> String {
         ("unit", Align::Left),
     ];
     columns.extend(numbers);
+    columns.push(("on a fault", Align::Left));
     let mut table = Table::new(&columns);
     for (index, channel) in artefact.contract.action.iter().enumerate() {
         let numbers = [channel.low, channel.high, channel.slew_per_tick];
@@ -186,6 +188,11 @@ fn action_table(artefact: &ArtefactText) -> String {
             channel.unit.clone(),
         ];
         cells.extend(numbers.map(|number| format!("{number}")));
+        let on_fault = match channel.on_fault {
+            SafeAction::Zero => "zero",
+            SafeAction::HoldLast => "hold the last",
+        };
+        cells.push(on_fault.to_owned());
         table.row(cells);
     }
     table.text()

@@ -1,6 +1,6 @@
 //! What the controller may expect and promise: names, units and ranges of the channels of a dataset.
 
-use ted_policy::{ActionChannel, Contract, ContractFault, ObservationChannel};
+use ted_policy::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
 
 use crate::dataset::Dataset;
 
@@ -20,7 +20,7 @@ const RANGE_FLOOR: f32 = 0.02;
 pub struct ContractText {
     task: String,
     observation: Vec<(String, &'static str, f32, f32)>,
-    action: Vec<(String, &'static str)>,
+    action: Vec<(String, &'static str, SafeAction)>,
 }
 
 impl ContractText {
@@ -42,14 +42,17 @@ impl ContractText {
             .collect();
         let action = match dataset.action_dim() {
             4 => [
-                ("hand_dx", "cm"),
-                ("hand_dy", "cm"),
-                ("hand_dz", "cm"),
-                ("gripper", "effort"),
+                ("hand_dx", "cm", SafeAction::Zero),
+                ("hand_dy", "cm", SafeAction::Zero),
+                ("hand_dz", "cm", SafeAction::Zero),
+                // Letting go of what it holds is not safe.
+                ("gripper", "effort", SafeAction::HoldLast),
             ]
-            .map(|(name, unit)| (name.to_owned(), unit))
+            .map(|(name, unit, on_fault)| (name.to_owned(), unit, on_fault))
             .to_vec(),
-            dims => (0..dims).map(|i| (format!("action_{i}"), "")).collect(),
+            dims => (0..dims)
+                .map(|i| (format!("action_{i}"), "", SafeAction::Zero))
+                .collect(),
         };
         Self {
             task: dataset.task().unwrap_or("unknown").to_owned(),
@@ -77,12 +80,13 @@ impl ContractText {
         let action: Vec<_> = self
             .action
             .iter()
-            .map(|(name, unit)| ActionChannel {
+            .map(|(name, unit, on_fault)| ActionChannel {
                 name,
                 unit,
                 low: -1.0,
                 high: 1.0,
                 slew_per_tick: 2.0,
+                on_fault: *on_fault,
             })
             .collect();
         Contract::new(

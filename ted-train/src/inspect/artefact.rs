@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use ted_core::{Mlp, Normaliser, Output, RewardInput, Scratch};
-use ted_policy::{Artifact, FORMAT_VERSION};
+use ted_policy::{Artifact, FORMAT_VERSION, SafeAction};
 
 /// An artefact.
 #[derive(Clone, Debug, Serialize)]
@@ -78,6 +78,8 @@ pub struct ActionText {
     pub high: f32,
     /// Largest change from one tick to the next.
     pub slew_per_tick: f32,
+    /// What is sent while a fault is latched.
+    pub on_fault: SafeAction,
 }
 
 /// Where a policy comes from.
@@ -257,6 +259,7 @@ impl ContractText {
                     low: channel.low,
                     high: channel.high,
                     slew_per_tick: channel.slew_per_tick,
+                    on_fault: channel.on_fault,
                 })
                 .collect(),
         }

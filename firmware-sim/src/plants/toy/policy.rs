@@ -7,7 +7,7 @@ use ted_core::{
 };
 use ted_policy::{
     ActionChannel, ArtifactSpec, Contract, ContractFault, Digest, ObservationChannel, Provenance,
-    WriteError, write,
+    SafeAction, WriteError, write,
 };
 use thiserror::Error;
 
@@ -125,20 +125,21 @@ fn contract() -> Result<Contract<'static>, ContractFault> {
         low: -1.0,
         high: 1.0,
     };
-    let act = |name, unit, slew_per_tick| ActionChannel {
+    let act = |name, unit, slew_per_tick, on_fault| ActionChannel {
         name,
         unit,
         low: -1.0,
         high: 1.0,
         slew_per_tick,
+        on_fault,
     };
     Contract::new(
         "toy-reach",
         &["x", "y", "goal_x", "goal_y", "gripper"].map(observe),
         &[
-            act("move_x", "table/20", 0.5),
-            act("move_y", "table/20", 0.5),
-            act("gripper", "closed", 0.25),
+            act("move_x", "table/20", 0.5, SafeAction::Zero),
+            act("move_y", "table/20", 0.5, SafeAction::Zero),
+            act("gripper", "closed", 0.25, SafeAction::HoldLast),
         ],
         CONTROL_PERIOD_US,
         CONTROL_PERIOD_US,
