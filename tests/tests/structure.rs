@@ -71,6 +71,36 @@ fn the_crates_depend_on_each_other_in_one_line() {
 }
 
 #[test]
+fn the_core_has_three_dependencies() {
+    let manifest = fs::read_to_string(root().join("ted-core/Cargo.toml")).unwrap();
+    let (_, dependencies) = manifest.split_once("\n[dependencies]\n").unwrap();
+    let mut names: Vec<&str> = dependencies
+        .lines()
+        .take_while(|line| !line.starts_with('['))
+        .filter_map(|line| line.split(['.', ' ', '=']).next())
+        .filter(|name| !name.is_empty())
+        .collect();
+    names.sort_unstable();
+    assert_eq!(names, ["heapless", "libm", "nalgebra"]);
+    assert!(!manifest.contains("[build-dependencies]"));
+}
+
+#[test]
+fn integer_inference_names_no_float_type() {
+    let folder = root().join("ted-core/src/integer");
+    for path in files(&["rs"]) {
+        if path.starts_with(&folder) {
+            let text = fs::read_to_string(&path).unwrap();
+            let float = text.lines().find(|line| {
+                let code = line.split("//").next().unwrap_or_default();
+                code.contains("f32") || code.contains("f64")
+            });
+            assert_eq!(float, None, "{}", path.display());
+        }
+    }
+}
+
+#[test]
 fn every_source_file_says_first_what_it_is() {
     for path in files(&["rs"]) {
         let text = fs::read_to_string(&path).unwrap();

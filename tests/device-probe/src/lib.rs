@@ -6,6 +6,8 @@
 
 use core::panic::PanicInfo;
 
+use firmware_sim::controller::Controller;
+use firmware_sim::safety::ObservationFrame;
 use ted_core::{EpisodeReturn, MAX_ACTION, Scratch};
 use ted_policy::Artifact;
 
@@ -19,46 +21,55 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     unsafe { ted_probe_panic_is_reachable() }
 }
 
-/// Parses an artefact, verifies it, and computes one action, reward, return and discount.
+/// Parses an artefact, puts a controller on it, and computes one tick, reward, return and discount.
 ///
 /// Returns the discount, or a negative number if anything was refused.
 ///
 /// # Safety
-/// `artifact` and `obs_raw` must point to that many readable elements, `action_unit` to [`MAX_ACTION`] writable ones.
+/// `artifact` and `obs_raw` must point to that many readable elements, `action_env` to [`MAX_ACTION`] writable ones.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ted_probe_tick(
     artifact: *const u8,
     artifact_length: usize,
     obs_raw: *const f32,
     obs_length: usize,
-    action_unit: *mut f32,
+    now_us: u64,
+    action_env: *mut f32,
 ) -> f32 {
     // SAFETY: the caller promises it.
-    let (artifact, obs_raw, action_unit) = unsafe {
+    let (artifact, obs_raw, action_env) = unsafe {
         (
             core::slice::from_raw_parts(artifact, artifact_length),
             core::slice::from_raw_parts(obs_raw, obs_length),
-            core::slice::from_raw_parts_mut(action_unit, MAX_ACTION),
+            core::slice::from_raw_parts_mut(action_env, MAX_ACTION),
         )
     };
-    tick(artifact, obs_raw, action_unit).unwrap_or(-1.0)
+    tick(artifact, obs_raw, now_us, action_env).unwrap_or(-1.0)
 }
 
-fn tick(artifact: &[u8], obs_raw: &[f32], action_unit: &mut [f32]) -> Option<f32> {
+fn tick(artifact: &[u8], obs_raw: &[f32], now_us: u64, action_env: &mut [f32]) -> Option<f32> {
     if cfg!(feature = "panic-on-purpose") {
-        action_unit[obs_raw.len()] = 0.0;
+        action_env[obs_raw.len()] = 0.0;
     }
     let artifact = Artifact::parse(artifact).ok()?;
+    let mut controller = Controller::load(&artifact).ok()?;
+    controller.reset();
+    let frame = ObservationFrame {
+        sequence: 0,
+        stamp_us: now_us,
+        values: obs_raw,
+    };
+    let (action, status) = controller.tick(now_us, &frame);
+    action_env.get_mut(..action.len())?.copy_from_slice(&action);
+    if status.fault.is_some() {
+        controller.rearm();
+    }
     let mut scratch = Scratch::new();
-    artifact.verify_golden(&mut scratch).ok()?;
-    let policy = artifact.policy();
-    let action_unit = action_unit.get_mut(..policy.action_dim())?;
-    policy.act(obs_raw, &mut scratch, action_unit).ok()?;
     let mut episode = EpisodeReturn::new();
     episode.push(
         artifact
             .reward()?
-            .reward_hat(obs_raw, action_unit, &mut scratch)
+            .reward_hat(obs_raw, &action, &mut scratch)
             .ok()?,
     );
     let discount = artifact.ted()?;
