@@ -3,10 +3,27 @@
 pub mod policies;
 pub mod reward;
 
-/// Mean and sample standard deviation.
-fn mean_sd(values: &[f64]) -> (f64, f64) {
+/// Mean and sample standard deviation of the seeds, each number as `text` writes it; one seed has no deviation.
+fn spread(values: &[f64], text: impl Fn(f64) -> String) -> String {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    (mean, variance.sqrt())
+    if values.len() < 2 {
+        return text(mean);
+    }
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    format!(
+        "{} ± {}",
+        text(mean),
+        text(variance.sqrt()).trim_start_matches('+')
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_spread_is_mean_and_sample_deviation_and_one_seed_has_none() {
+        let text = |value: f64| format!("{value:+.2}");
+        assert_eq!(super::spread(&[1.0, 2.0, 3.0], text), "+2.00 ± 1.00");
+        assert_eq!(super::spread(&[-1.5], text), "-1.50");
+    }
 }

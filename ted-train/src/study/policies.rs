@@ -196,8 +196,8 @@ pub fn table(scores: &[PolicyScore]) -> String {
     ];
     for ((dataset, preset), group) in groups {
         let column = |digits: usize, value: &dyn Fn(&PolicyScore) -> f64| {
-            let (mean, sd) = super::mean_sd(&group.iter().map(|s| value(s)).collect::<Vec<_>>());
-            format!("{mean:.digits$} ± {sd:.digits$}")
+            let values: Vec<_> = group.iter().map(|s| value(s)).collect();
+            super::spread(&values, |value| format!("{value:.digits$}"))
         };
         let each: Vec<String> = group
             .iter()

@@ -226,9 +226,8 @@ impl StudyLog {
             }
             for (task, cells) in tasks {
                 let column = |value: fn(&Cell) -> f64| {
-                    let (mean, sd) =
-                        super::mean_sd(&cells.iter().map(|c| value(c)).collect::<Vec<_>>());
-                    format!("{mean:+.2} ± {sd:.2}")
+                    let values: Vec<_> = cells.iter().map(|c| value(c)).collect();
+                    super::spread(&values, |value| format!("{value:+.2}"))
                 };
                 let columns = [
                     column(|c| c.quality.spearman),

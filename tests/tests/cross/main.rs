@@ -1,5 +1,6 @@
 //! What was trained is what flies: from datasets through training and the artefact to the controller and its plants.
 
 mod binaries;
+mod commands;
 mod metaworld;
 mod toy;

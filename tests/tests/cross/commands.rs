@@ -1,0 +1,111 @@
+//! Every command of `ted` as a person uses it, on what one small quickstart wrote.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::binaries::{command, said};
+
+fn ted(at: &Path, arguments: &[&str]) -> Command {
+    let mut ted = command("ted");
+    ted.current_dir(at).args(arguments);
+    ted
+}
+
+fn json(command: &mut Command, codes: &[i32]) -> Value {
+    serde_json::from_str(&said(command.arg("--json"), codes)).unwrap()
+}
+
+/// Where the quickstart says it wrote this.
+fn written<'a>(report: &'a Value, what: &str) -> &'a str {
+    let all = report["written"].as_array().unwrap();
+    let entry = all.iter().find(|entry| entry["what"] == what).unwrap();
+    entry["path"].as_str().unwrap()
+}
+
+#[test]
+fn a_quickstart_goes_all_the_way_and_every_command_works_on_what_it_wrote() {
+    let desk = tempfile::tempdir().unwrap();
+    let at = desk.path();
+    let quickstart = [
+        "quickstart",
+        "--task",
+        "reach-v3",
+        "--episodes",
+        "6",
+        "--steps",
+        "40",
+        "--out",
+        "quick",
+    ];
+    let report = json(&mut ted(at, &quickstart), &[0]);
+    let failed = |report: &Value| {
+        let checks = report["checks"].as_array().unwrap();
+        assert!(checks.len() >= 5, "{report}");
+        checks
+            .iter()
+            .filter(|check| check["passed"] != true)
+            .count()
+    };
+    assert_eq!(failed(&report["crosscheck"]), 0, "{report}");
+    assert!(report["scripted"]["mean_return"].as_f64() > report["dataset"]["mean_return"].as_f64());
+    for entry in report["written"].as_array().unwrap() {
+        assert!(at.join(entry["path"].as_str().unwrap()).exists(), "{entry}");
+    }
+    let questions = fs::read_to_string(at.join(written(&report, "questions"))).unwrap();
+    assert_eq!(questions.lines().count(), 10, "{questions}");
+    // What is done is not done again, and comes out the same.
+    assert_eq!(json(&mut ted(at, &quickstart), &[0]), report);
+
+    let (policy, data) = (written(&report, "artefact"), written(&report, "dataset"));
+    let run = Path::new(policy).parent().unwrap().to_str().unwrap();
+    for (path, kind) in [(policy, "artefact"), (run, "run"), (data, "dataset")] {
+        let inspected = json(&mut ted(at, &["inspect", path]), &[0]);
+        assert_eq!(inspected["kind"], kind);
+        let text = said(&mut ted(at, &["inspect", path]), &[0]);
+        assert!(text.contains("reach-v3"), "{text}");
+    }
+
+    said(&mut ted(at, &["export", run, "--out", "again.ted"]), &[0]);
+    assert_eq!(
+        fs::read(at.join("again.ted")).unwrap(),
+        fs::read(at.join(policy)).unwrap()
+    );
+    let checked = ["crosscheck", run, "--episodes", "1", "--sample", "200"];
+    assert_eq!(failed(&json(&mut ted(at, &checked), &[0])), 0);
+}
+
+#[test]
+fn the_bench_measures_everything_that_it_names() {
+    let desk = tempfile::tempdir().unwrap();
+    let small = ["bench", "--steps", "2", "--repetitions", "5"];
+    let simulator = ["--simulator-steps", "60", "--task", "reach-v3"];
+    let text = said(ted(desk.path(), &small).args(simulator), &[0]);
+    for named in ["flex", "ndarray", "act", "bridge"] {
+        assert!(text.to_lowercase().contains(named), "no {named}: {text}");
+    }
+}
+
+#[test]
+fn the_doctor_says_what_is_missing_and_what_to_do() {
+    let desk = tempfile::tempdir().unwrap();
+    let (empty, cache) = (desk.path().join("bin"), desk.path().join("cache"));
+    fs::create_dir_all(&empty).unwrap();
+    let mut doctor = ted(desk.path(), &["doctor"]);
+    doctor.env("PATH", &empty).env("XDG_CACHE_HOME", &cache);
+    let report = json(&mut doctor, &[4]);
+    let problems: Vec<&str> = report["checks"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|check| check["good"] != true)
+        .filter_map(|check| check["found"].as_str())
+        .collect();
+    assert!(
+        problems.iter().any(|found| found.contains("python3")),
+        "{report}"
+    );
+    assert!(!cache.exists(), "asking changes nothing");
+}
