@@ -9,11 +9,15 @@ pub mod bridge;
 pub mod cli;
 pub mod controller;
 #[cfg(feature = "std")]
+pub mod disk;
+#[cfg(feature = "std")]
 pub mod exit;
 #[cfg(feature = "std")]
 pub mod failure;
 #[cfg(feature = "std")]
 pub mod interrupt;
+#[cfg(feature = "std")]
+pub mod output;
 #[cfg(feature = "std")]
 pub mod plant;
 #[cfg(feature = "std")]

@@ -7,7 +7,6 @@ pub mod collect;
 pub mod config;
 pub mod crosscheck;
 pub mod dataset;
-mod disk;
 pub mod doctor;
 pub mod evaluate;
 pub mod export;

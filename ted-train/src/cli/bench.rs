@@ -3,11 +3,11 @@
 use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 use firmware_sim::tasks;
 
 use crate::bench::{Bench, BenchConfig, bench};
 
-use super::OutputArgs;
 use super::failures::end;
 use super::table::{Align, Table};
 

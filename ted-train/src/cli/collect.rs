@@ -8,11 +8,11 @@ use clap::Args;
 use firmware_sim::bridge::environment;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 use firmware_sim::tasks;
 
 use crate::collect::{CollectConfig, CollectReport, Recipe, finished, run as collect};
 
-use super::OutputArgs;
 use super::failures::end;
 use super::locate::datasets_root;
 

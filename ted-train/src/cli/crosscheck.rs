@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 
 use crate::crosscheck::{Check, Crosscheck, CrosscheckConfig, crosscheck};
 use crate::run::RunFolder;
 
-use super::OutputArgs;
 use super::collect::workers;
 use super::failures::end;
 use super::locate::dataset_of;

@@ -3,10 +3,10 @@
 use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 
 use crate::doctor::{Diagnosis, diagnose};
 
-use super::OutputArgs;
 use super::locate::datasets_root;
 use super::table::{Align, Table};
 

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 
 use crate::config::Config;
 use crate::evaluate::{Evaluation, evaluate};
 use crate::run::RunFolder;
 
-use super::OutputArgs;
 use super::collect::workers;
 use super::failures::end;
 

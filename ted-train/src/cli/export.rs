@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::disk;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 use serde::Serialize;
 use ted_policy::{Artifact, ArtifactBytes};
 
-use crate::disk;
 use crate::export::ExportError;
 use crate::run::RunFolder;
 use crate::train::FinishedRun;
 
-use super::OutputArgs;
 use super::failures::end;
 use super::locate::dataset_of;
 

@@ -9,7 +9,6 @@ use crate::collect::CollectError;
 use crate::config::ConfigError;
 use crate::crosscheck::CrosscheckError;
 use crate::dataset::DatasetError;
-use crate::disk::WriteError;
 use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
 use crate::inspect::InspectError;
@@ -19,6 +18,7 @@ use crate::reward::oprl::LearnError;
 use crate::run::RunError;
 use crate::study::policies::StudyError;
 use crate::train::TrainError;
+use firmware_sim::disk::WriteError;
 
 /// An error that knows how a command ends because of it.
 pub(super) trait Ends: std::fmt::Display {
@@ -56,11 +56,7 @@ impl Ends for DatasetError {
 
 impl Ends for WriteError {
     fn exit_code(&self) -> ExitCode {
-        match self {
-            Self::DiskFull { .. } | Self::Io { .. } => ExitCode::Storage,
-            Self::Busy { .. } => ExitCode::Busy,
-            Self::Different { .. } | Self::Episode(_) => ExitCode::BadInput,
-        }
+        Self::exit_code(self)
     }
 }
 

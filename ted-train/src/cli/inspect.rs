@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 use ted_policy::SafeAction;
 
 use crate::inspect::{ArtefactText, DatasetText, Inspection, NetworkText, RunText, inspect};
 
-use super::OutputArgs;
 use super::failures::end;
 use super::locate::existing_or_dataset;
 use super::table::{Align, Table};

@@ -14,13 +14,10 @@ mod study;
 mod table;
 mod train;
 
-use std::io::{self, Write};
-
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::interrupt;
-use firmware_sim::progress::Audience;
 
 const EXAMPLES: &str = "\
 A first run, all of it at reduced size:
@@ -55,45 +52,6 @@ enum Command {
     Crosscheck(crosscheck::CrosscheckArgs),
     Bench(bench::BenchArgs),
     Study(study::StudyArgs),
-}
-
-/// What a command prints, and for whom.
-#[derive(Clone, Copy, Debug, Args)]
-pub(crate) struct OutputArgs {
-    /// Print one JSON object on standard output, and no progress
-    #[arg(long)]
-    json: bool,
-    /// Show no progress
-    #[arg(long)]
-    quiet: bool,
-}
-
-impl OutputArgs {
-    fn audience(self) -> Audience {
-        Audience::detect(self.json || self.quiet)
-    }
-
-    /// Prints a result: as JSON, or as the text that a person reads.
-    fn print(
-        self,
-        value: &impl serde::Serialize,
-        text: impl FnOnce() -> String,
-    ) -> Result<(), Failure> {
-        let text = if self.json {
-            serde_json::to_string_pretty(value).map_err(|e| Failure::new(ExitCode::Failure, e))?
-        } else {
-            text()
-        };
-        match writeln!(io::stdout(), "{text}") {
-            // Whoever reads has seen enough, as `head` does.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-            Err(error) => Err(Failure::new(
-                ExitCode::Storage,
-                format_args!("cannot write the result: {error}"),
-            )),
-            Ok(()) => Ok(()),
-        }
-    }
 }
 
 /// Runs the command of this process's arguments.

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 use firmware_sim::rollout::normalised_score;
 use firmware_sim::tasks;
 
 use crate::quickstart::{Quickstart, QuickstartConfig, quickstart};
 
-use super::OutputArgs;
 use super::collect::workers;
 use super::crosscheck::{text as crosscheck_text, verdict};
 use super::failures::end;

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 
 use crate::config::Preset;
 use crate::study::policies::{self, PolicyRun};
 use crate::study::reward::{DESIGNS, StudyLog, design_config};
 
-use super::OutputArgs;
 use super::collect::workers;
 use super::failures::end;
 use super::locate::open_dataset;

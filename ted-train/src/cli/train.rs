@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use firmware_sim::failure::Failure;
+use firmware_sim::output::OutputArgs;
 
 use crate::config::{Overrides, Preset};
 use crate::evaluate::evaluate;
@@ -12,7 +13,6 @@ use crate::preferences::{ReplayTeacher, ScriptedTeacher, Teacher};
 use crate::run::{DatasetReference, RunFolder};
 use crate::train::train;
 
-use super::OutputArgs;
 use super::collect::workers;
 use super::eval::text;
 use super::failures::end;

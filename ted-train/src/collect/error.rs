@@ -1,7 +1,9 @@
 //! Why a collection ended early.
 
-use crate::dataset::WriteError;
+use crate::dataset::DatasetError;
+use crate::dataset::minari::EpisodeError;
 use firmware_sim::bridge::BridgeError;
+use firmware_sim::disk::WriteError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::tasks::UnknownTask;
 
@@ -25,6 +27,9 @@ pub enum CollectError {
     /// The simulator failed.
     #[error(transparent)]
     Bridge(#[from] BridgeError),
+    /// What was to be recorded is no dataset.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
     /// The dataset cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -47,12 +52,18 @@ impl CollectError {
         match self {
             Self::Task(_) | Self::Recipe { .. } | Self::NoEpisodes => ExitCode::Usage,
             Self::Bridge(error) => error.exit_code(),
-            Self::Write(WriteError::Busy { .. }) => ExitCode::Busy,
-            Self::Write(WriteError::DiskFull { .. } | WriteError::Io { .. }) => ExitCode::Storage,
-            Self::Write(WriteError::Different { .. } | WriteError::Episode(_)) => {
-                ExitCode::BadInput
-            }
+            Self::Dataset(_) => ExitCode::BadInput,
+            Self::Write(error) => error.exit_code(),
             Self::Interrupted { .. } => ExitCode::Interrupted,
+        }
+    }
+}
+
+impl From<EpisodeError> for CollectError {
+    fn from(error: EpisodeError) -> Self {
+        match error {
+            EpisodeError::Refused(error) => Self::Dataset(error),
+            EpisodeError::Write(error) => Self::Write(error),
         }
     }
 }

@@ -70,7 +70,7 @@ impl CollectConfig {
             count => format!("-n{count}"),
         };
         let name = format!("{task}-{}{episodes}-s{}", self.recipe, self.seed);
-        Ok(DatasetId::new(NAMESPACE, &name, 0).map_err(crate::dataset::WriteError::from)?)
+        Ok(DatasetId::new(NAMESPACE, &name, 0)?)
     }
 
     /// The dataset's folder.

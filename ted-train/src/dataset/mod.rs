@@ -17,7 +17,6 @@ mod record;
 mod segment;
 mod statistics;
 
-pub use crate::disk::WriteError;
 pub use error::DatasetError;
 pub use in_memory::{Dataset, Episode};
 pub use record::{EpisodeRecord, InfoColumn, Shape};

@@ -14,11 +14,11 @@ use crate::collect::{self, CollectConfig, CollectError, PartReport, Recipe};
 use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
-use crate::disk::WriteError;
 use crate::evaluate::{EvaluateError, Evaluation, evaluate};
 use crate::preferences::{PreferenceError, ScriptedTeacher};
 use crate::run::{DatasetReference, RunError, RunFolder};
 use crate::train::{TrainError, train};
+use firmware_sim::disk::WriteError;
 
 use narrator::Narrator;
 

@@ -11,7 +11,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Map, Value};
 
-use crate::disk::WriteError;
+use firmware_sim::disk::WriteError;
 
 /// Writes scalars that TensorBoard shows as curves.
 #[derive(Debug)]

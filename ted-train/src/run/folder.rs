@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, ConfigError};
-use crate::disk::{self, WriteError};
+use firmware_sim::disk::{self, WriteError};
 
 use super::sealed::{self, SealedError};
 use super::{Checkpoint, ForeignCheckpoint};

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use crate::disk::WriteError;
+use firmware_sim::disk::WriteError;
 
 /// An append-only log of metrics.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ impl MetricsLog {
                 }
             }
         }
-        crate::disk::replace(path, &kept)?;
+        firmware_sim::disk::replace(path, &kept)?;
         let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
         Ok(Self {
             file,

@@ -15,10 +15,10 @@ use firmware_sim::progress::Progress;
 use serde::Serialize;
 
 use crate::config::{Overrides, Preset};
-use crate::disk::{self, WriteError};
 use crate::evaluate::Evaluation;
 use crate::run::RunFolder;
 use crate::train::RewardReport;
+use firmware_sim::disk::{self, WriteError};
 
 /// One run of the study.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -15,13 +15,13 @@ use ted_core::RewardRange;
 
 use crate::config::{Overrides, Preset};
 use crate::dataset::Dataset;
-use crate::disk::{self, WriteError};
 use crate::preferences::{PreferenceLog, ScriptedTeacher};
 use crate::reward::oprl::{ExportedEnsemble, LearnError, OprlConfig, held_out_agreement, learn};
 use crate::reward::quality::RewardQuality;
 use crate::reward::{Labels, RewardConfig, ensemble_labels};
 use crate::rng::Seed;
 use crate::train::TrainError;
+use firmware_sim::disk::{self, WriteError};
 
 /// The designs that are compared: a name and what it changes of the defaults.
 pub const DESIGNS: [(&str, &[&str]); 9] = [

@@ -14,12 +14,12 @@ use firmware_sim::progress::Audience;
 
 use crate::config::Config;
 use crate::dataset::Dataset;
-use crate::disk::{self, WriteError};
 use crate::export::ExportError;
 use crate::preferences::Teacher;
 use crate::reward::oprl::LearnError;
 use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
+use firmware_sim::disk::{self, WriteError};
 
 /// Why training stopped.
 #[derive(Debug, thiserror::Error)]

@@ -17,7 +17,7 @@ mod writer;
 pub use id::DatasetId;
 pub use metadata::{Behaviour, EpisodeNote, Origin};
 pub(super) use reader::read;
-pub use writer::DatasetWriter;
+pub use writer::{DatasetWriter, EpisodeError};
 pub(crate) use writer::{finished_origin, kept_episode};
 
 /// The Minari version whose layout is written; newer packages read it too.

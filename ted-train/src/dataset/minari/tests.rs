@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
-use crate::dataset::{Dataset, EpisodeRecord, WriteError};
-use crate::disk::Disk;
+use crate::dataset::{Dataset, EpisodeRecord};
+use firmware_sim::disk::{Disk, WriteError};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -224,7 +224,10 @@ fn a_full_disk_is_named_and_what_is_there_stays_good() {
         writer.write(0, behaviour(), &all[0]).unwrap();
         writer.write(1, behaviour(), &all[1]).unwrap();
         let error = writer.write(2, behaviour(), &all[2]).unwrap_err();
-        assert!(matches!(error, WriteError::DiskFull { .. }), "{error}");
+        assert!(
+            matches!(error, EpisodeError::Write(WriteError::DiskFull { .. })),
+            "{error}"
+        );
         assert!(
             error.to_string().starts_with("no space left while writing"),
             "{error}"

@@ -8,13 +8,23 @@ use super::metadata::{
     Behaviour, DatasetMetadata, EpisodeMetadata, EpisodeNote, Origin, dataset_metadata, to_json,
 };
 use super::{DATA, DatasetId, METADATA, PART, encode};
-use crate::dataset::{EpisodeRecord, Shape, WriteError};
-use crate::disk::{Disk, create_folder, lock, rename, sync_folder};
+use crate::dataset::{DatasetError, EpisodeRecord, Shape};
+use firmware_sim::disk::{Disk, WriteError, create_folder, lock, rename, sync_folder};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 const PLAN: &str = "collection.json";
 const NAMESPACE_METADATA: &str = "namespace_metadata.json";
+
+/// Why an episode was not written.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum EpisodeError {
+    /// It is not consistent in itself, or holds numbers that are not finite.
+    Refused(#[from] DatasetError),
+    /// The disk.
+    Write(#[from] WriteError),
+}
 
 /// A dataset being written. Dropping it releases the folder; what is complete stays.
 #[derive(Debug)]
@@ -92,7 +102,7 @@ impl DatasetWriter {
         episode: u32,
         behaviour: Behaviour,
         record: &EpisodeRecord,
-    ) -> Result<EpisodeNote, WriteError> {
+    ) -> Result<EpisodeNote, EpisodeError> {
         record.check(self.shape, &format!("episode {episode}"))?;
         let part = encode::episode_file(record, self.shape)
             .map_err(|error| WriteError::at(&self.data, std::io::Error::other(error)))?;

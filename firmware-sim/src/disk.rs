@@ -4,6 +4,8 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crate::exit::ExitCode;
+
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
@@ -41,13 +43,12 @@ pub enum WriteError {
         /// What differs.
         difference: String,
     },
-    /// An episode that is not consistent in itself.
-    #[error(transparent)]
-    Episode(#[from] crate::dataset::DatasetError),
 }
 
 impl WriteError {
-    pub(crate) fn at(path: &Path, source: io::Error) -> Self {
+    /// A failure of the file system at `path`.
+    #[must_use]
+    pub fn at(path: &Path, source: io::Error) -> Self {
         let path = path.to_path_buf();
         match source.kind() {
             io::ErrorKind::StorageFull
@@ -56,26 +57,41 @@ impl WriteError {
             _ => Self::Io { path, source },
         }
     }
+
+    /// How a command ends that fails with this error.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::DiskFull { .. } | Self::Io { .. } => ExitCode::Storage,
+            Self::Busy { .. } => ExitCode::Busy,
+            Self::Different { .. } => ExitCode::BadInput,
+        }
+    }
 }
 
-/// The file system, with the one operation that a test needs to fail.
+/// The file system, with the one operation that a test makes fail.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Disk {
+pub struct Disk {
     create: fn(&Path) -> io::Result<File>,
 }
 
 impl Disk {
-    pub(crate) const REAL: Self = Self {
+    /// The one that is there.
+    pub const REAL: Self = Self {
         create: |path| File::create(path),
     };
 
-    #[cfg(test)]
-    pub(crate) fn with_create(create: fn(&Path) -> io::Result<File>) -> Self {
+    /// One that opens files for writing in another way: how a test fills it up.
+    #[must_use]
+    pub fn with_create(create: fn(&Path) -> io::Result<File>) -> Self {
         Self { create }
     }
 
     /// Writes a file and waits until it is on the disk.
-    pub(crate) fn write(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    ///
+    /// # Errors
+    /// When the disk is full or fails.
+    pub fn write(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         (self.create)(path)
             .and_then(|mut file| {
                 file.write_all(bytes)?;
@@ -85,7 +101,10 @@ impl Disk {
     }
 
     /// Puts `bytes` in the place of `path` in one step: a reader sees the old file or the new one.
-    pub(crate) fn replace(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    ///
+    /// # Errors
+    /// When the disk is full or fails; the old file is untouched then.
+    pub fn replace(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         let mut name = std::ffi::OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(".tmp");
@@ -100,7 +119,10 @@ impl Disk {
 }
 
 /// Renames inside one folder and waits until the new name is on the disk.
-pub(crate) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
+///
+/// # Errors
+/// When the disk is full or fails.
+pub fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
     fs::rename(from, to).map_err(|error| WriteError::at(to, error))?;
     match to.parent() {
         Some(folder) if folder.as_os_str().is_empty() => sync_folder(Path::new(".")),
@@ -110,19 +132,28 @@ pub(crate) fn rename(from: &Path, to: &Path) -> Result<(), WriteError> {
 }
 
 /// Waits until the names inside a folder are on the disk.
-pub(crate) fn sync_folder(folder: &Path) -> Result<(), WriteError> {
+///
+/// # Errors
+/// When the disk is full or fails.
+pub fn sync_folder(folder: &Path) -> Result<(), WriteError> {
     File::open(folder)
         .and_then(|folder| folder.sync_all())
         .map_err(|error| WriteError::at(folder, error))
 }
 
 /// Creates a folder and those above it.
-pub(crate) fn create_folder(folder: &Path) -> Result<(), WriteError> {
+///
+/// # Errors
+/// When the disk is full or fails.
+pub fn create_folder(folder: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(folder).map_err(|error| WriteError::at(folder, error))
 }
 
 /// Locks `folder` against a second writer for as long as the returned file lives.
-pub(crate) fn lock(folder: &Path) -> Result<File, WriteError> {
+///
+/// # Errors
+/// [`WriteError::Busy`] when another process holds the lock.
+pub fn lock(folder: &Path) -> Result<File, WriteError> {
     let path = folder.join(".writer.lock");
     let file = File::create(&path).map_err(|error| WriteError::at(&path, error))?;
     match file.try_lock() {
@@ -135,6 +166,9 @@ pub(crate) fn lock(folder: &Path) -> Result<File, WriteError> {
 }
 
 /// Puts `bytes` in the place of `path` in one step on the real disk.
-pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+///
+/// # Errors
+/// As [`Disk::replace`].
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     Disk::REAL.replace(path, bytes)
 }
