@@ -149,6 +149,17 @@ pub fn create_folder(folder: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(folder).map_err(|error| WriteError::at(folder, error))
 }
 
+/// Whether a file could be put in the place of `path`: to know before long work, not after.
+///
+/// # Errors
+/// When its folder is missing or cannot be written.
+pub fn check_writable(path: &Path) -> Result<(), WriteError> {
+    let probe = path.with_file_name(format!(".ted-probe-{}", std::process::id()));
+    fs::write(&probe, b"")
+        .and_then(|()| fs::remove_file(&probe))
+        .map_err(|error| WriteError::at(path, error))
+}
+
 /// Locks `folder` against a second writer for as long as the returned file lives.
 ///
 /// # Errors

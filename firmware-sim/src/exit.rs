@@ -27,28 +27,6 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
-    /// Every code with what it means, for `--help` and the documentation.
-    pub const ALL: [(Self, &str); 9] = [
-        (Self::Success, "all was done"),
-        (Self::Failure, "something else failed"),
-        (Self::Usage, "the command line does not make sense"),
-        (
-            Self::BadInput,
-            "an artefact, dataset, configuration or preference file is broken",
-        ),
-        (
-            Self::Environment,
-            "Python, the network or the simulator is missing or failed",
-        ),
-        (Self::Busy, "another process works on the same folder"),
-        (Self::Storage, "the disk is full or cannot be written"),
-        (
-            Self::Faulted,
-            "the controller latched a fault, or a cross-check found a difference",
-        ),
-        (Self::Interrupted, "stopped on request"),
-    ];
-
     /// The number that the process exits with.
     #[must_use]
     pub const fn code(self) -> u8 {
@@ -64,22 +42,5 @@ impl ExitCode {
 impl From<ExitCode> for process::ExitCode {
     fn from(code: ExitCode) -> Self {
         Self::from(code.code())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_code_has_a_number_of_its_own_and_a_meaning() {
-        for (index, (code, meaning)) in ExitCode::ALL.iter().enumerate() {
-            assert!(!meaning.is_empty());
-            assert!(
-                ExitCode::ALL[..index]
-                    .iter()
-                    .all(|(other, _)| other.code() != code.code())
-            );
-        }
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use crate::exit::ExitCode;
+use crate::output::tell;
 use crate::plant::PlantError;
 use crate::rollout::FlyError;
 
@@ -24,7 +25,7 @@ impl Failure {
 
     /// Says it on standard error.
     pub fn tell(self) -> ExitCode {
-        eprintln!("error: {}", self.message);
+        tell(&format!("error: {}", self.message));
         self.code
     }
 }

@@ -38,8 +38,3 @@ pub fn install() -> io::Result<()> {
 pub fn requested() -> bool {
     requested_flag().load(Ordering::Relaxed)
 }
-
-/// Asks for a clean stop, as the first Ctrl-C does.
-pub fn request() {
-    requested_flag().store(true, Ordering::SeqCst);
-}

@@ -1,4 +1,4 @@
-//! What a command prints on standard output, and for whom.
+//! What a command prints, and for whom. A reader that leaves early, as `head` does, stops no work.
 
 use std::io::{self, Write};
 
@@ -8,6 +8,11 @@ use serde::Serialize;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::progress::Audience;
+
+/// Says a line on standard error. When nobody reads it any more the work still goes on.
+pub fn tell(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
 
 /// The options that every command has.
 #[derive(Clone, Copy, Debug, Args)]

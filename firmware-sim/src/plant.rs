@@ -108,21 +108,3 @@ impl PlantError {
         }
     }
 }
-
-impl<P: Plant + ?Sized> Plant for Box<P> {
-    fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
-        (**self).reset(seed)
-    }
-
-    fn now_us(&self) -> u64 {
-        (**self).now_us()
-    }
-
-    fn observe(&mut self) -> Result<Observed, PlantError> {
-        (**self).observe()
-    }
-
-    fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
-        (**self).apply(action_env)
-    }
-}

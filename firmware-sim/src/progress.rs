@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::output::tell;
+
 /// Between two plain lines when standard error is not a terminal.
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
@@ -36,7 +38,7 @@ impl Audience {
     /// Says one line, whatever work is going on.
     pub fn note(self, line: &str) {
         if self != Self::Nobody {
-            eprintln!("{line}");
+            tell(line);
         }
     }
 
@@ -74,7 +76,7 @@ impl Progress {
             bar.enable_steady_tick(Duration::from_millis(250));
         }
         if audience == Audience::Log {
-            eprintln!("{what}: {total} {unit} to do");
+            tell(&format!("{what}: {total} {unit} to do"));
         }
         Self {
             audience,
@@ -107,21 +109,18 @@ impl Progress {
     /// Says one line above the bar, without tearing it.
     pub fn note(&self, line: &str) {
         if self.audience != Audience::Nobody {
-            self.bar.suspend(|| eprintln!("{line}"));
+            self.bar.suspend(|| tell(line));
         }
     }
 
     /// Ends the work, done or not, and takes the bar away.
     pub fn finish(self) {
+        // Read before the bar is cleared, which sets it to its end.
+        let done = self.bar.position();
         self.bar.finish_and_clear();
         if self.audience == Audience::Log {
             let took = HumanDuration(self.bar.elapsed());
-            eprintln!(
-                "{}: {} {} in {took}",
-                self.what,
-                self.bar.position(),
-                self.unit
-            );
+            tell(&format!("{}: {done} {} in {took}", self.what, self.unit));
         }
     }
 
@@ -135,7 +134,7 @@ impl Progress {
         };
         if last.elapsed() >= LINE_PERIOD {
             *last = Instant::now();
-            eprintln!("{}", self.line());
+            tell(&self.line());
         }
     }
 

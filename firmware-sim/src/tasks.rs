@@ -73,21 +73,34 @@ pub const EXAMPLE_10: [&str; 10] = [
 /// The names of the groups, with their tasks.
 pub const GROUPS: [(&str, &[&str]); 2] = [("example10", &EXAMPLE_10), ("all", &ALL)];
 
-/// A name that is neither a task nor a group.
+/// A name that does not name what is wanted.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no task {name:?}{}; a task is one of the 50 of Meta-World v3, or a group: example10, all", near(.suggestions))]
-pub struct UnknownTask {
-    /// What was asked for.
-    pub name: String,
-    /// The tasks and groups that come nearest, best first.
-    pub suggestions: Vec<&'static str>,
+pub enum TaskError {
+    /// It is neither a task nor a group.
+    #[error("there is no task {name:?}{}; a task is one of the 50 of Meta-World v3, or a group: example10, all", near(.suggestions))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The tasks and groups that come nearest, best first.
+        suggestions: Vec<&'static str>,
+    },
+    /// It is a group, and one task is wanted.
+    #[error("{name} is a group of {count} tasks, and one task is wanted: {first}, for example")]
+    Group {
+        /// The group.
+        name: &'static str,
+        /// How many tasks it has.
+        count: usize,
+        /// The first of them.
+        first: &'static str,
+    },
 }
 
 /// The tasks that a name stands for: the task itself, or all of a group.
 ///
 /// # Errors
 /// When the name is neither.
-pub fn resolve(name: &str) -> Result<&'static [&'static str], UnknownTask> {
+pub fn resolve(name: &str) -> Result<&'static [&'static str], TaskError> {
     if let Some((_, tasks)) = GROUPS.iter().find(|(group, _)| *group == name) {
         return Ok(tasks);
     }
@@ -97,17 +110,25 @@ pub fn resolve(name: &str) -> Result<&'static [&'static str], UnknownTask> {
     }
 }
 
-/// The one task of this name; groups are refused.
+/// The one task of this name.
 ///
 /// # Errors
-/// When the name is no task.
-pub fn single(name: &str) -> Result<&'static str, UnknownTask> {
-    ALL.into_iter()
-        .find(|task| *task == name)
-        .ok_or_else(|| unknown(name))
+/// When the name is no task, but a group or nothing at all.
+pub fn single(name: &str) -> Result<&'static str, TaskError> {
+    match resolve(name)? {
+        [task] => Ok(task),
+        group => Err(TaskError::Group {
+            name: GROUPS
+                .iter()
+                .find_map(|(name, tasks)| (*tasks == group).then_some(*name))
+                .unwrap_or_default(),
+            count: group.len(),
+            first: group.first().copied().unwrap_or_default(),
+        }),
+    }
 }
 
-fn unknown(name: &str) -> UnknownTask {
+fn unknown(name: &str) -> TaskError {
     let wanted = name.to_lowercase();
     let stem = stem(&wanted);
     let mut near: Vec<(usize, &'static str)> = ALL
@@ -119,7 +140,7 @@ fn unknown(name: &str) -> UnknownTask {
         })
         .collect();
     near.sort();
-    UnknownTask {
+    TaskError::Unknown {
         name: name.to_owned(),
         suggestions: near
             .into_iter()
@@ -164,6 +185,13 @@ fn near(suggestions: &[&str]) -> String {
 mod tests {
     use super::*;
 
+    fn suggestions(name: &str) -> Vec<&'static str> {
+        match unknown(name) {
+            TaskError::Unknown { suggestions, .. } => suggestions,
+            TaskError::Group { .. } => Vec::new(),
+        }
+    }
+
     #[test]
     fn every_task_resolves_to_itself_and_groups_to_their_tasks() {
         for task in ALL {
@@ -173,7 +201,11 @@ mod tests {
         assert!(
             resolve("example10").is_ok_and(|tasks| tasks.iter().all(|task| ALL.contains(task)))
         );
-        assert!(single("all").is_err());
+        let refused = single("all").unwrap_err().to_string();
+        assert!(
+            refused.starts_with("all is a group of 50 tasks"),
+            "{refused}"
+        );
     }
 
     #[test]
@@ -189,23 +221,18 @@ mod tests {
             "Drawer-Open-v3",
             "drawr-open-v3",
         ] {
-            assert_eq!(
-                unknown(name).suggestions.first(),
-                Some(&"drawer-open-v3"),
-                "{name}"
-            );
+            assert_eq!(suggestions(name).first(), Some(&"drawer-open-v3"), "{name}");
         }
     }
 
     #[test]
     fn a_part_of_a_name_lists_the_tasks_that_contain_it() {
-        assert!(unknown("window").suggestions.contains(&"window-open-v3"));
+        assert!(suggestions("window").contains(&"window-open-v3"));
     }
 
     #[test]
     fn nonsense_gets_no_suggestions_but_still_an_answer() {
-        let error = unknown("quantum-chess");
-        assert!(error.suggestions.is_empty());
-        assert!(error.to_string().contains("example10"));
+        assert!(suggestions("quantum-chess").is_empty());
+        assert!(unknown("quantum-chess").to_string().contains("example10"));
     }
 }

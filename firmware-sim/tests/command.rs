@@ -122,7 +122,7 @@ fn a_recorded_flight_is_replayed_without_a_difference() {
         "--plant",
         "toy",
         "--episodes",
-        "5",
+        "60",
         "--record",
         "flight.json",
         "--json",
@@ -139,7 +139,37 @@ fn a_recorded_flight_is_replayed_without_a_difference() {
     ];
     let replayed = json(folder.path(), 0, &replay);
     assert_eq!(replayed["episodes"], flown["episodes"]);
+    assert_eq!(
+        (&flown["seed"], &replayed["seed"]),
+        (&0.into(), &Value::Null)
+    );
     assert_eq!(replayed["largest_difference"]["absolute"], 0.0);
+}
+
+#[test]
+fn a_recording_that_cannot_be_written_is_refused_before_the_flight() {
+    let folder = folder_with_toy();
+    let fly = ["fly", "toy.ted", "--plant", "toy", "--record"];
+    let (said, told) = run(folder.path(), 6, &[&fly[..], &["no/such.json"]].concat());
+    assert!(said.is_empty() && told.contains("no/such.json"), "{told}");
+}
+
+#[test]
+fn a_reader_who_leaves_early_stops_nothing() {
+    let folder = folder_with_toy();
+    let command = env!("CARGO_BIN_EXE_firmware-sim");
+    for pipe in ["| true", "2>&1 >/dev/null | true"] {
+        let line = format!(
+            "{command} fly toy.ted --plant toy --record f.json {pipe}; exit ${{PIPESTATUS[0]}}"
+        );
+        let ended = Command::new("bash")
+            .current_dir(folder.path())
+            .args(["-c", &line])
+            .status()
+            .unwrap();
+        assert_eq!(ended.code(), Some(0), "{pipe}");
+        std::fs::remove_file(folder.path().join("f.json")).unwrap();
+    }
 }
 
 #[test]
@@ -155,6 +185,12 @@ fn broken_files_are_named_with_the_code_for_bad_input() {
         assert!(told.contains(artefact), "{told}");
     }
     let recordings = [
+        (
+            "empty.json",
+            Some(
+                r#"{"shape": {"observation_dim": 5, "action_dim": 3, "control_period_us": 10000}, "episodes": []}"#,
+            ),
+        ),
         ("missing.json", None),
         ("cut.json", Some("{")),
         (
@@ -188,19 +224,27 @@ fn broken_files_are_named_with_the_code_for_bad_input() {
 #[test]
 fn a_command_line_that_makes_no_sense_ends_with_the_code_for_usage() {
     let folder = folder_with_toy();
-    let wrong: [&[&str]; 6] = [
+    let wrong: [&[&str]; 9] = [
         &[],
         &["fly"],
         &["fly", "toy.ted", "--plant", "replay"],
         &["fly", "toy.ted", "--plant", "toy", "--episodes", "0"],
         &["fly", "toy.ted", "--plant", "toy", "--fault", "gremlin@1"],
         &["fly", "toy.ted", "--task", "drawer-opne-v3"],
+        &["fly", "toy.ted"],
+        &["fly", "toy.ted", "--plant", "toy", "--task", "reach-v3"],
+        &["fly", "toy.ted", "--plant", "toy", "--recording", "f.json"],
     ];
     for args in wrong {
         run(folder.path(), 2, args);
     }
     let (_, told) = run(folder.path(), 2, wrong[5]);
     assert!(told.contains("drawer-open-v3"), "{told}");
+    let (_, told) = run(folder.path(), 2, wrong[6]);
+    assert!(
+        told.contains("toy-reach") && told.contains("--plant"),
+        "{told}"
+    );
 }
 
 #[test]

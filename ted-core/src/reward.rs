@@ -114,7 +114,8 @@ impl<'a> RewardEnsemble<'a> {
     /// Predicts with every member, in order.
     ///
     /// # Errors
-    /// When `obs_raw` and `action_unit` are not what the members see. The action is ignored when they do not see it.
+    /// When `obs_raw` and `action_unit` are together not as many values as the members see. The action is ignored when they
+    /// do not see it.
     pub fn member_outputs(
         &self,
         obs_raw: &[f32],

@@ -225,7 +225,10 @@ impl fmt::Display for ArtifactError {
                 )
             }
             Self::Metadata => {
-                f.write_str("artefact metadata is not what its format version describes")
+                f.write_str(
+                    "artefact metadata is not what its format version describes, or has more layers, members or channels than \
+                     this reader has room for",
+                )
             }
             Self::MetadataLength { expected, actual } => {
                 write!(
@@ -263,7 +266,7 @@ impl fmt::Display for ArtifactError {
             Self::Integer(error) => write!(f, "integer policy cannot be used: {error}"),
             Self::Contract(fault) => write!(f, "contract cannot be kept: {fault}"),
             Self::RewardRange { low, high } => {
-                write!(f, "reward range {low} to {high} is not finite and ordered")
+                write!(f, "reward range {low} to {high} is not ordered with a finite width")
             }
             Self::Discount(error) => error.fmt(f),
             Self::NoGolden => {

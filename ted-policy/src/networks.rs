@@ -85,7 +85,8 @@ pub(crate) fn reward<'a>(
         low: reward.low,
         high: reward.high,
     };
-    if !(range.low.is_finite() && range.high.is_finite() && range.low <= range.high) {
+    // A width beyond every float would make rewards that are no number.
+    if !(range.low <= range.high && (range.high - range.low).is_finite()) {
         return Err(ArtifactError::RewardRange {
             low: range.low,
             high: range.high,

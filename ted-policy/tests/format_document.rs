@@ -1,7 +1,7 @@
 //! `docs/artifact-format.md` describes what the code writes, byte by byte.
 //!
-//! The document carries a fingerprint of the wire types and a dump of a whole artefact. Whoever changes the wire types
-//! changes both, and has read the document by then.
+//! The document carries a fingerprint of the wire types, of their declarations and of their bytes, and a dump of a whole
+//! artefact. Whoever changes the wire types changes these, and has read the document by then.
 #![cfg(feature = "std")]
 
 mod support;
@@ -47,6 +47,8 @@ fn the_document_carries_the_fingerprint_of_the_wire_types() {
         with_state_reward(),
     ]
     .concat();
+    // A number that becomes wider or a variant that is added changes no byte of these, but a declaration.
+    let all = [all, declarations().into_bytes()].concat();
     let line = format!(
         "Fingerprint of version {FORMAT_VERSION}: `{:016x}`",
         fnv(&all)
@@ -55,6 +57,63 @@ fn the_document_carries_the_fingerprint_of_the_wire_types() {
         DOCUMENT.contains(&line),
         "the wire types changed: raise FORMAT_VERSION, bring docs/artifact-format.md up to date, and give it\n{line}"
     );
+}
+
+/// Every type that is serialised, as it is declared: its lines without comments and attributes.
+fn declarations() -> String {
+    let sources = [
+        include_str!("../src/wire.rs"),
+        include_str!("../src/contract.rs"),
+        include_str!("../src/provenance.rs"),
+        include_str!("../src/digest.rs"),
+    ];
+    let mut found = String::new();
+    for source in sources {
+        let mut serialised = false;
+        let mut inside = false;
+        for line in source.lines() {
+            let code = line.trim();
+            if code.starts_with("#[derive(") {
+                serialised = code.contains("Serialize");
+            }
+            let declared = code.contains("struct ") || code.contains("enum ");
+            inside |= serialised && declared && !code.starts_with("//");
+            if inside && !code.starts_with("//") && !code.starts_with("#[") {
+                found.extend([code, "\n"]);
+            }
+            if line == "}" || code.ends_with(';') && declared {
+                (serialised, inside) = (false, false);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_wire_type_is_part_of_the_fingerprint() {
+    let declarations = declarations();
+    for name in [
+        "Metadata",
+        "Network",
+        "Activation",
+        "Reward",
+        "Sees",
+        "Ted",
+        "Integer",
+        "Contract",
+        "ObservationChannel",
+        "ActionChannel",
+        "SafeAction",
+        "Provenance",
+        "Digest",
+    ] {
+        let declared = [format!("struct {name}"), format!("enum {name}")];
+        assert!(
+            declared.iter().any(|d| declarations.contains(d.as_str())),
+            "{name} is missing in:\n{declarations}"
+        );
+    }
+    assert!(!declarations.contains("fn "), "{declarations}");
 }
 
 #[test]
@@ -100,12 +159,15 @@ fn the_document_names_the_constants_of_the_code() {
     let magic: Vec<_> = MAGIC.iter().map(|byte| format!("{byte:02x}")).collect();
     for wanted in [
         format!("`{}`", magic.join(" ")),
-        format!("{HEADER_LENGTH} bytes"),
-        format!("| {} |", ted_core::MAX_WIDTH),
-        format!("| {} |", ted_core::MAX_LAYERS),
-        format!("| {} |", ted_core::MAX_MEMBERS),
-        format!("| {} |", ted_core::MAX_OBSERVATION),
-        format!("| {} |", ted_core::MAX_ACTION),
+        format!("\n{HEADER_LENGTH} bytes.\n"),
+        format!("| inputs or outputs of a layer | {} |", ted_core::MAX_WIDTH),
+        format!("| layers of a network | {} |", ted_core::MAX_LAYERS),
+        format!(
+            "| members of the reward ensemble | {} |",
+            ted_core::MAX_MEMBERS
+        ),
+        format!("| observation channels | {} |", ted_core::MAX_OBSERVATION),
+        format!("| action channels | {} |", ted_core::MAX_ACTION),
     ] {
         assert!(
             DOCUMENT.contains(&wanted),

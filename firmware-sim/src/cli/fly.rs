@@ -13,6 +13,7 @@ use crate::bridge::environment;
 use crate::controller::Controller;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::output::OutputArgs;
 use crate::plant::{Plant, PlantError};
 use crate::plants::fault::{FaultInjector, FaultPlan};
 use crate::plants::metaworld::MetaWorldPlant;
@@ -20,9 +21,8 @@ use crate::plants::recorder::{Recorder, Shelf};
 use crate::plants::recording::{RecordingShape, Recordings};
 use crate::plants::replay::ReplayPlant;
 use crate::plants::toy::ToyPlant;
-use crate::progress::Audience;
 use crate::rollout::{Flight, FlyError, episode_seeds, fly, fly_episode};
-use crate::{interrupt, tasks};
+use crate::{disk, interrupt, tasks};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -64,12 +64,8 @@ pub struct FlyArgs {
     /// Inject a fault, KIND@TICK, KIND@TICK+COUNT or KIND~PROBABILITY; may be given several times
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultPlan>,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Show no progress
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// The plants that can be flown from the command line.
@@ -85,6 +81,7 @@ enum PlantKind {
 
 /// Flies, and prints the report.
 pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
+    check(args)?;
     let bytes = ArtifactBytes::read(&args.policy)
         .map_err(|error| Failure::new(ExitCode::BadInput, error))?;
     let artifact = Artifact::parse(&bytes).map_err(|error| {
@@ -95,30 +92,22 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     })?;
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
-    let task = args.task.as_deref().unwrap_or(artifact.contract().task);
-    let mut report = match args.plant {
-        PlantKind::Metaworld => fly_metaworld(args, &artifact, task)?,
+    let (flight, recorded) = match args.plant {
+        PlantKind::Metaworld => fly_metaworld(args, &artifact)?,
         PlantKind::Toy => fly_many(args, &artifact, || Ok(ToyPlant::new()))?,
-        PlantKind::Replay => fly_recording(args, &artifact)?,
+        PlantKind::Replay => (fly_recording(args, &artifact)?, Ok(())),
     };
-    report.policy = args.policy.display().to_string();
-    report.task = task.to_owned();
-    report.plant = args
-        .plant
-        .to_possible_value()
-        .map_or_else(String::new, |value| value.get_name().to_owned());
-    report.injected = args.fault.iter().map(FaultPlan::to_string).collect();
-    report.seed = args.seed;
-    if args.json {
-        println!(
-            "{}",
-            report
-                .json()
-                .map_err(|error| Failure::new(ExitCode::Failure, error))?
-        );
-    } else {
-        println!("{report}");
-    }
+    let report = Report {
+        policy: args.policy.display().to_string(),
+        plant: args
+            .plant
+            .to_possible_value()
+            .map_or_else(String::new, |value| value.get_name().to_owned()),
+        injected: args.fault.iter().map(FaultPlan::to_string).collect(),
+        ..flight
+    };
+    args.output.print(&report, || report.to_string())?;
+    recorded?;
     Ok(if report.faulted > 0 {
         ExitCode::Faulted
     } else {
@@ -126,41 +115,71 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     })
 }
 
-fn audience(args: &FlyArgs) -> Audience {
-    Audience::detect(args.json || args.quiet)
+/// Refuses options that would be ignored, and a recording that could not be written in the end.
+fn check(args: &FlyArgs) -> Result<(), Failure> {
+    let usage = |message: &str| Err(Failure::new(ExitCode::Usage, message));
+    if args.recording.is_some() && args.plant != PlantKind::Replay {
+        return usage(
+            "--recording is what --plant replay shows: add that, or leave the recording out",
+        );
+    }
+    if args.task.is_some() && args.plant != PlantKind::Metaworld {
+        return usage("--task names a Meta-World task: leave it out, or fly --plant metaworld");
+    }
+    match &args.record {
+        Some(path) => {
+            disk::check_writable(path).map_err(|error| Failure::new(error.exit_code(), error))
+        }
+        None => Ok(()),
+    }
 }
 
-fn fly_metaworld(args: &FlyArgs, artifact: &Artifact<'_>, task: &str) -> Result<Report, Failure> {
-    let task = tasks::single(task).map_err(|error| Failure::new(ExitCode::Usage, error))?;
-    let environment = environment::ensure(audience(args))
+/// The report of a flight, and whether what was to be recorded of it was written.
+type Flown = (Report, Result<(), Failure>);
+
+fn fly_metaworld(args: &FlyArgs, artifact: &Artifact<'_>) -> Result<Flown, Failure> {
+    let trained_for = artifact.contract().task;
+    let usage = |error: &dyn Display| Failure::new(ExitCode::Usage, error);
+    let task = match &args.task {
+        Some(task) => tasks::single(task).map_err(|error| usage(&error))?,
+        None => tasks::single(trained_for).map_err(|_| {
+            usage(&format_args!(
+                "the policy was made for {trained_for:?}, which is no Meta-World task: name another --plant, or a --task"
+            ))
+        })?,
+    };
+    let environment = environment::ensure(args.output.audience())
         .map_err(|error| Failure::new(error.exit_code(), error))?;
-    fly_many(args, artifact, || {
+    let (report, recorded) = fly_many(args, artifact, || {
         MetaWorldPlant::new(&environment, task).map_err(PlantError::link)
-    })
+    })?;
+    Ok((report.on_task(task), recorded))
 }
 
 fn fly_many<P: Plant>(
     args: &FlyArgs,
     artifact: &Artifact<'_>,
     make_plant: impl Fn() -> Result<P, PlantError> + Sync,
-) -> Result<Report, Failure> {
+) -> Result<Flown, Failure> {
     if let Some(path) = &args.record {
         let shelf = Shelf::default();
-        let report = fly_side_by_side(args, artifact, || {
+        let flown = fly_side_by_side(args, artifact, || {
             Ok(Recorder::new(make_plant()?, shelf.clone()))
-        })?;
-        write_recordings(args, artifact, &shelf, path)?;
-        Ok(report)
+        });
+        // Also after a flight that ended early: what was recorded by then is whole.
+        let recorded = write_recordings(args, artifact, &shelf, path);
+        Ok((flown?, recorded))
     } else if args.fault.is_empty() {
-        fly_side_by_side(args, artifact, make_plant)
+        Ok((fly_side_by_side(args, artifact, make_plant)?, Ok(())))
     } else {
-        fly_side_by_side(args, artifact, || {
+        let faulty = || {
             Ok(FaultInjector::new(
                 make_plant()?,
                 args.fault.clone(),
                 args.seed,
             ))
-        })
+        };
+        Ok((fly_side_by_side(args, artifact, faulty)?, Ok(())))
     }
 }
 
@@ -172,7 +191,10 @@ fn fly_side_by_side<P: Plant>(
     let cores = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let workers = args.workers.unwrap_or_else(cores);
     let seeds = episode_seeds(args.seed, args.episodes as usize);
-    let progress = audience(args).start("fly", u64::from(args.episodes), "episodes");
+    let progress = args
+        .output
+        .audience()
+        .start("fly", u64::from(args.episodes), "episodes");
     let flight = fly(
         artifact,
         make_plant,
@@ -182,10 +204,10 @@ fn fly_side_by_side<P: Plant>(
         |_| progress.advance(1),
     );
     progress.finish();
-    Ok(Report::of(
-        &flight?,
-        artifact.provenance().dataset_return_max,
-    ))
+    Ok(Report {
+        seed: Some(args.seed),
+        ..Report::of(&flight?, artifact)
+    })
 }
 
 fn write_recordings(
@@ -203,13 +225,9 @@ fn write_recordings(
         action_dim: contract.action.len(),
         control_period_us: contract.control_period_us,
     };
-    let written = Recordings { shape, episodes }.write(path);
-    written.map_err(|error| {
-        Failure::new(
-            ExitCode::Storage,
-            format_args!("write {}: {error}", path.display()),
-        )
-    })
+    Recordings { shape, episodes }
+        .write(path)
+        .map_err(|error| Failure::new(error.exit_code(), error))
 }
 
 fn fly_recording(args: &FlyArgs, artifact: &Artifact<'_>) -> Result<Report, Failure> {
@@ -225,7 +243,10 @@ fn fly_recording(args: &FlyArgs, artifact: &Artifact<'_>) -> Result<Report, Fail
     let seeds: Vec<u64> = replay.seeds().collect();
     let mut controller = Controller::load(artifact).map_err(FlyError::Load)?;
     let mut plant = FaultInjector::new(replay, args.fault.clone(), args.seed);
-    let progress = audience(args).start("replay", seeds.len() as u64, "episodes");
+    let progress = args
+        .output
+        .audience()
+        .start("replay", seeds.len() as u64, "episodes");
     let mut flight = Flight::default();
     for seed in seeds {
         if interrupt::requested() {
@@ -240,7 +261,8 @@ fn fly_recording(args: &FlyArgs, artifact: &Artifact<'_>) -> Result<Report, Fail
         progress.advance(1);
     }
     progress.finish();
-    let mut report = Report::of(&flight, artifact.provenance().dataset_return_max);
-    report.largest_difference = plant.inner().largest_difference();
-    Ok(report)
+    Ok(Report {
+        largest_difference: plant.inner().largest_difference(),
+        ..Report::of(&flight, artifact)
+    })
 }

@@ -3,6 +3,7 @@
 use std::fmt::{self, Display};
 
 use serde::Serialize;
+use ted_policy::Artifact;
 
 use crate::plants::replay::Difference;
 use crate::rollout::{EpisodeReport, Flight, Summary, normalised_score};
@@ -14,19 +15,21 @@ pub struct Report {
     pub policy: String,
     /// The task flown.
     pub task: String,
+    /// The task that the policy was trained for.
+    pub trained_for: String,
     /// The kind of plant.
     pub plant: String,
     /// The faults that were injected.
     pub injected: Vec<String>,
-    /// The root seed.
-    pub seed: u64,
+    /// The root of the episodes' seeds; a recording has none.
+    pub seed: Option<u64>,
     /// The mean return.
     pub return_mean: f64,
     /// The returns' sample standard deviation.
     pub return_sd: f64,
     /// The best return in the dataset the policy was trained on.
     pub dataset_max_return: f64,
-    /// The mean return as a share of that.
+    /// The mean return as a share of that; none on another task.
     pub score: Option<f64>,
     /// The share of solved episodes.
     pub success_rate: f64,
@@ -67,8 +70,11 @@ struct FaultLine {
 }
 
 impl Report {
-    /// Sums up a flight. The names of what was flown are the caller's to fill in.
-    pub fn of(flight: &Flight, dataset_max_return: f64) -> Self {
+    /// Sums up a flight on the task that the artefact was trained for. The names of what was flown are the caller's to
+    /// fill in.
+    pub fn of(flight: &Flight, artifact: &Artifact<'_>) -> Self {
+        let task = artifact.contract().task.to_owned();
+        let dataset_max_return = artifact.provenance().dataset_return_max;
         let summary = Summary::of(&flight.episodes);
         let mut tick_us = flight
             .tick_times
@@ -77,10 +83,11 @@ impl Report {
         let mut next_us = || tick_us.next().unwrap_or(0.0);
         Self {
             policy: String::new(),
-            task: String::new(),
+            trained_for: task.clone(),
+            task,
             plant: String::new(),
             injected: Vec::new(),
-            seed: 0,
+            seed: None,
             return_mean: summary.return_mean,
             return_sd: summary.return_sd,
             dataset_max_return,
@@ -95,9 +102,13 @@ impl Report {
         }
     }
 
-    /// The report as one JSON object.
-    pub fn json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(self)
+    /// The same on this task. The best return of one task's dataset measures no other task.
+    pub fn on_task(self, task: &str) -> Self {
+        Self {
+            score: self.score.filter(|_| task == self.trained_for),
+            task: task.to_owned(),
+            ..self
+        }
     }
 }
 
@@ -125,11 +136,15 @@ impl Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let flown = self.episodes.len();
         writeln!(f, "policy      {}", self.policy)?;
-        writeln!(
+        write!(
             f,
-            "flown       {flown} episodes of {} on {}, root seed {}",
-            self.task, self.plant, self.seed
+            "flown       {flown} episodes of {} on {}",
+            self.task, self.plant
         )?;
+        match self.seed {
+            Some(seed) => writeln!(f, ", root seed {seed}")?,
+            None => writeln!(f)?,
+        }
         if !self.injected.is_empty() {
             writeln!(f, "injected    {}", self.injected.join(", "))?;
         }
@@ -143,6 +158,11 @@ impl Display for Report {
                 f,
                 "score       {score:.3} of the dataset's best, {:.2}",
                 self.dataset_max_return
+            )?,
+            None if self.task != self.trained_for => writeln!(
+                f,
+                "score       none: the policy was trained for {}",
+                self.trained_for
             )?,
             None => writeln!(
                 f,

@@ -1,11 +1,13 @@
 //! Recorded episodes: what was seen, what was sent, what came of it. On disk they are one JSON object.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Write};
+use std::io::{self, BufReader};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use crate::disk::{self, WriteError};
 
 /// One recorded episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -68,18 +70,28 @@ impl Recordings {
         Ok(serde_json::from_reader(BufReader::new(File::open(path)?))?)
     }
 
-    /// Writes a recording file; every number comes back with its bits.
+    /// Writes a recording file; every finite number comes back with its bits.
     ///
     /// # Errors
-    /// When the file cannot be written.
-    pub fn write(&self, path: &Path) -> io::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
-        serde_json::to_writer(&mut file, self)?;
-        file.flush()
+    /// When the file cannot be written, or a number is not finite, for which JSON has no word.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        if let Some(episode) = self.episodes.iter().find(|episode| !episode.is_finite()) {
+            let seed = episode.seed;
+            let message = format!("the recording of seed {seed} holds a number that is not finite");
+            return Err(WriteError::at(path, io::Error::other(message)));
+        }
+        let text = serde_json::to_vec(self)
+            .map_err(|error| WriteError::at(path, io::Error::other(error)))?;
+        disk::replace(path, &text)
     }
 }
 
 impl Recording {
+    fn is_finite(&self) -> bool {
+        let mut values = self.observations.iter().chain(&self.actions);
+        values.all(|value| value.is_finite()) && self.rewards.iter().all(|value| value.is_finite())
+    }
+
     /// Whether the arrays have the lengths that the number of rewards asks for.
     ///
     /// # Errors
@@ -90,10 +102,14 @@ impl Recording {
             ("rewards", steps.max(1), steps),
             (
                 "observations",
-                (steps + 1) * shape.observation_dim,
+                (steps + 1).saturating_mul(shape.observation_dim),
                 self.observations.len(),
             ),
-            ("actions", steps * shape.action_dim, self.actions.len()),
+            (
+                "actions",
+                steps.saturating_mul(shape.action_dim),
+                self.actions.len(),
+            ),
             ("success flags", steps, self.success.len()),
         ];
         match needed
@@ -142,6 +158,11 @@ mod tests {
             (error.array, error.expected, error.actual),
             ("observations", 6, 5)
         );
+        let huge = RecordingShape {
+            observation_dim: 1 << 63,
+            ..SHAPE
+        };
+        assert!(recording().check(huge).is_err());
         assert_eq!(
             Recording::default().check(SHAPE).unwrap_err().array,
             "rewards"
@@ -155,11 +176,17 @@ mod tests {
         let mut numbers = recording();
         let drawn = (0..20_000).map(|index| f32::from_bits(mix(1, index) as u32));
         numbers.actions = drawn.filter(|value| value.is_finite()).collect();
-        let written = Recordings {
+        let drawn = (0..20_000).map(|index| f64::from_bits(mix(2, index)));
+        numbers.rewards = drawn.filter(|value| value.is_finite()).collect();
+        let mut written = Recordings {
             shape: SHAPE,
             episodes: vec![numbers],
         };
         written.write(&path).unwrap();
         assert_eq!(Recordings::read(&path).unwrap(), written);
+
+        written.episodes[0].rewards[7] = f64::NAN;
+        let error = written.write(&path).unwrap_err().to_string();
+        assert!(error.contains("not finite"), "{error}");
     }
 }

@@ -3,7 +3,10 @@
 //!
 //! A policy that was recorded through this controller comes back with a difference of zero.
 
+use std::collections::HashSet;
+
 use serde::Serialize;
+use thiserror::Error;
 
 use super::recording::{Recording, RecordingError, RecordingShape};
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
@@ -25,6 +28,23 @@ pub struct Difference {
     pub absolute: f32,
 }
 
+/// Recorded episodes that cannot be shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum ReplayError {
+    /// There is none.
+    #[error("replay a recording: it holds no episode")]
+    Empty,
+    /// Two have the same seed, and only the first could be asked for.
+    #[error("replay episode {seed}: two recorded episodes have this seed")]
+    SameSeed {
+        /// The seed.
+        seed: u64,
+    },
+    /// The arrays of one do not fit together.
+    #[error(transparent)]
+    Arrays(#[from] RecordingError),
+}
+
 /// Recorded episodes, shown again.
 #[derive(Clone, Debug)]
 pub struct ReplayPlant {
@@ -38,10 +58,19 @@ impl ReplayPlant {
     /// A plant that shows these episodes.
     ///
     /// # Errors
-    /// When a recording's arrays do not have the lengths its number of rewards asks for.
-    pub fn new(shape: RecordingShape, recordings: Vec<Recording>) -> Result<Self, RecordingError> {
+    /// When there is none, two have the same seed, or a recording's arrays do not have the lengths that its number of
+    /// rewards asks for.
+    pub fn new(shape: RecordingShape, recordings: Vec<Recording>) -> Result<Self, ReplayError> {
+        if recordings.is_empty() {
+            return Err(ReplayError::Empty);
+        }
+        let mut seeds = HashSet::new();
         for recording in &recordings {
             recording.check(shape)?;
+            let seed = recording.seed;
+            if !seeds.insert(seed) {
+                return Err(ReplayError::SameSeed { seed });
+            }
         }
         Ok(Self {
             shape,
@@ -204,6 +233,16 @@ mod tests {
         plant.reset(9).unwrap();
         plant.apply(&[f32::NAN]).unwrap();
         assert_eq!(plant.largest_difference().unwrap().absolute, f32::INFINITY);
+    }
+
+    #[test]
+    fn no_episode_or_two_of_one_seed_are_refused() {
+        let refused = |recordings| ReplayPlant::new(SHAPE, recordings).map(|_| ()).unwrap_err();
+        assert_eq!(refused(vec![]), ReplayError::Empty);
+        assert_eq!(
+            refused(vec![recording(), recording()]),
+            ReplayError::SameSeed { seed: 9 }
+        );
     }
 
     #[test]

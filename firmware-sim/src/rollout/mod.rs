@@ -53,7 +53,7 @@ pub struct Flight {
 /// Why a flight ended early.
 #[derive(Debug, Error)]
 pub enum FlyError {
-    /// The controller does not take the artefact.
+    /// The controller does not take the artefact: this machine does not compute its golden vectors.
     #[error("fly the artefact: {0}")]
     Load(#[from] ArtifactError),
     /// No plant could be had for a worker.
@@ -80,7 +80,8 @@ impl FlyError {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Load(_) => ExitCode::BadInput,
+            // The bytes are whole: it is this machine that computes something else.
+            Self::Load(_) => ExitCode::Faulted,
             Self::NoPlant(source) | Self::Episode { source, .. } => source.exit_code(),
             Self::Interrupted { .. } => ExitCode::Interrupted,
         }

@@ -36,7 +36,8 @@ struct Limit {
 }
 
 impl ActionGuard {
-    /// A guard for this contract, with the plant at rest: zero counts as the last action sent.
+    /// A guard for this contract, with the plant at rest: zero, or the end of the range nearest to it, counts as the last
+    /// action sent.
     #[must_use]
     pub fn new(contract: &Contract<'_>) -> Self {
         let (mut limits, mut last_sent) = (Vec::new(), Vec::new());

@@ -5,14 +5,14 @@ use crate::dataset::minari::EpisodeError;
 use firmware_sim::bridge::BridgeError;
 use firmware_sim::disk::WriteError;
 use firmware_sim::exit::ExitCode;
-use firmware_sim::tasks::UnknownTask;
+use firmware_sim::tasks::TaskError;
 
 /// Why a collection ended early. Whatever was complete by then is kept.
 #[derive(Debug, thiserror::Error)]
 pub enum CollectError {
     /// No such task.
     #[error(transparent)]
-    Task(#[from] UnknownTask),
+    Task(#[from] TaskError),
     /// No such recipe.
     #[error("no recipe `{name}`: the recipes are {known}")]
     Recipe {
