@@ -20,7 +20,7 @@ pub enum WriteError {
         source: io::Error,
     },
     /// Any other failure of the file system.
-    #[error("cannot write {path}: {source}")]
+    #[error("cannot write {path}: {source}; make its folder writable, or choose another place")]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -92,12 +92,14 @@ impl Disk {
     /// # Errors
     /// When the disk is full or fails.
     pub fn write(self, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-        (self.create)(path)
-            .and_then(|mut file| {
-                file.write_all(bytes)?;
-                file.sync_all()
-            })
+        self.fill(path, bytes)
             .map_err(|error| WriteError::at(path, error))
+    }
+
+    fn fill(self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let mut file = (self.create)(path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
     }
 
     /// Puts `bytes` in the place of `path` in one step: a reader sees the old file or the new one.
@@ -109,7 +111,8 @@ impl Disk {
         name.push(path.file_name().unwrap_or_default());
         name.push(".tmp");
         let temporary = path.with_file_name(name);
-        self.write(&temporary, bytes)
+        self.fill(&temporary, bytes)
+            .map_err(|error| WriteError::at(path, error))
             .and_then(|()| rename(&temporary, path))
             .inspect_err(|_| {
                 // What was begun would keep the space that is missing. It may never have come to exist.

@@ -8,7 +8,10 @@ use firmware_sim::interrupt;
 use firmware_sim::plant::PlantError;
 use firmware_sim::plants::metaworld::MetaWorldPlant;
 use firmware_sim::progress::Audience;
-use firmware_sim::rollout::{FlyError, Summary, episode_seeds, fly, normalised_score};
+use firmware_sim::rollout::{
+    EpisodeReport, FlyError, Summary, episode_seeds, fly, normalised_score,
+};
+use firmware_sim::tasks::{self, TaskError};
 use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, LoadError};
 
@@ -25,16 +28,39 @@ pub struct Evaluation {
     pub return_mean: f64,
     /// Their standard deviation.
     pub return_sd: f64,
-    /// Mean return over the largest return of the dataset: the paper's score.
+    /// Mean return over the largest return of the dataset, the paper's score; none on another task than the dataset's.
     pub score: Option<f64>,
     /// Share of episodes with success at some step.
     pub success: f64,
     /// Episodes in which the controller latched a fault.
     pub faulted: usize,
+    /// The faults.
+    pub faults: Vec<EpisodeFault>,
     /// Mean true return of the dataset.
     pub dataset_mean: f64,
     /// Largest true return of the dataset.
     pub dataset_max: f64,
+}
+
+/// The fault that ended the policy's part in an episode.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EpisodeFault {
+    /// The episode's place among the returns.
+    pub episode: usize,
+    /// Ticks that the policy had flown before.
+    pub tick: u32,
+    /// The reason's number.
+    pub code: u8,
+    /// The reason.
+    pub reason: String,
+}
+
+impl Evaluation {
+    /// Whether a fault kept the policy from flying a single tick of any episode.
+    #[must_use]
+    pub fn never_flew(&self) -> bool {
+        self.faults.len() == self.returns.len() && self.faults.iter().all(|fault| fault.tick == 0)
+    }
 }
 
 /// Why a policy could not be flown.
@@ -46,6 +72,9 @@ pub enum EvaluateError {
     /// The artefact is broken.
     #[error("the artefact is not valid: {0}")]
     Artifact(ArtifactError),
+    /// The simulator has no such task.
+    #[error(transparent)]
+    Task(#[from] TaskError),
     /// There is no simulator.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -68,7 +97,8 @@ pub fn evaluate(
 ) -> Result<Evaluation, EvaluateError> {
     let bytes = ArtifactBytes::read(artefact)?;
     let artifact = Artifact::parse(&bytes).map_err(EvaluateError::Artifact)?;
-    let task = task.unwrap_or(artifact.contract().task);
+    let trained_for = artifact.contract().task;
+    let task = tasks::single(task.unwrap_or(trained_for))?;
     let environment = environment::ensure(audience)?;
     let progress = audience.start(&format!("fly {task}"), u64::from(episodes), "episodes");
     let flight = fly(
@@ -88,10 +118,28 @@ pub fn evaluate(
         returns: flight.episodes.iter().map(|e| e.return_true).collect(),
         return_mean: summary.return_mean,
         return_sd: summary.return_sd,
-        score: normalised_score(summary.return_mean, provenance.dataset_return_max),
+        // The best return of one task's dataset measures no other task.
+        score: normalised_score(summary.return_mean, provenance.dataset_return_max)
+            .filter(|_| task == trained_for),
         success: summary.success_rate,
         faulted: summary.faulted,
+        faults: flight
+            .episodes
+            .iter()
+            .enumerate()
+            .filter_map(fault_of)
+            .collect(),
         dataset_mean: provenance.dataset_return_mean,
         dataset_max: provenance.dataset_return_max,
+    })
+}
+
+fn fault_of((episode, report): (usize, &EpisodeReport)) -> Option<EpisodeFault> {
+    let latched = report.fault?;
+    Some(EpisodeFault {
+        episode,
+        tick: latched.tick,
+        code: latched.fault.code(),
+        reason: latched.fault.to_string(),
     })
 }

@@ -8,9 +8,14 @@ use clap::{Parser, Subcommand};
 
 use crate::exit::ExitCode;
 
+const EXAMPLES: &str = "\
+Examples:
+  firmware-sim toy toy.ted && firmware-sim fly toy.ted --plant toy
+  firmware-sim fly policy.ted --task drawer-open-v3 --episodes 50";
+
 /// Fly policies behind the controller that also runs on the device.
 #[derive(Debug, Parser)]
-#[command(name = "firmware-sim", version, max_term_width = 100)]
+#[command(name = "firmware-sim", version, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -32,7 +32,7 @@ pub(super) struct CollectArgs {
     /// A task such as drawer-open-v3, or a group: example10, all
     #[arg(long)]
     task: String,
-    /// How the actions are made: paper, expert, ...
+    /// How the actions are made: paper (noisy and mostly random ones) or expert (the scripted policy's own)
     #[arg(long, default_value = "paper")]
     recipe: Recipe,
     /// Episodes for each task; the recipe's own number if not given

@@ -13,7 +13,7 @@ use crate::run::RunFolder;
 
 use super::collect::workers;
 use super::failures::end;
-use super::locate::dataset_of;
+use super::locate::{artefact_of, dataset_of};
 use super::table::{Align, Table};
 
 const EXAMPLES: &str = "\
@@ -47,6 +47,7 @@ pub(super) struct CrosscheckArgs {
 
 pub(super) fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
     let folder = RunFolder::open(&args.run).map_err(end)?;
+    artefact_of(&folder)?;
     let dataset = dataset_of(&folder, args.dataset.as_deref())?;
     let config = CrosscheckConfig {
         sample: args.sample.map(|sample| sample as usize),

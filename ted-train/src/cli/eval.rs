@@ -4,22 +4,25 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
 use crate::config::Config;
-use crate::evaluate::{Evaluation, evaluate};
+use crate::evaluate::{EpisodeFault, Evaluation, evaluate};
 use crate::run::RunFolder;
 
 use super::collect::workers;
 use super::failures::end;
+use super::locate::artefact_of;
 
 const EXAMPLES: &str = "\
 Examples:
   ted eval runs/drawer-open-v3/true/seed-0
   ted eval runs/drawer-open-v3/true/seed-0 --episodes 200 --seed 7 --json
 
-The episodes are those of `firmware-sim fly` with the same seed, and so are the returns, to the bit.";
+The episodes are those of `firmware-sim fly` with the same seed, and so are the returns, to the bit. Exit code 7 when the
+controller latched a fault.";
 
 /// Fly the policy of a run in Meta-World and report return, score and success
 #[derive(Debug, Args)]
@@ -47,7 +50,7 @@ pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
     let folder = RunFolder::open(&args.run).map_err(end)?;
     let config = Config::read(&folder.config_path()).map_err(end)?;
     let report = evaluate(
-        &folder.artefact_path(),
+        &artefact_of(&folder)?,
         args.task.as_deref(),
         args.episodes,
         args.seed.unwrap_or(config.seed),
@@ -55,7 +58,27 @@ pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
         args.output.audience(),
     )
     .map_err(end)?;
-    args.output.print(&report, || text(&report))
+    args.output.print(&report, || text(&report))?;
+    match report.faulted {
+        0 => Ok(()),
+        faulted => Err(Failure::new(
+            ExitCode::Faulted,
+            format_args!(
+                "the controller latched a fault in {faulted} of {} episodes",
+                report.returns.len()
+            ),
+        )),
+    }
+}
+
+fn fault_text(fault: &EpisodeFault) -> String {
+    let EpisodeFault {
+        episode,
+        tick,
+        code,
+        reason,
+    } = fault;
+    format!("\n  episode {episode}, tick {tick}: code {code}, {reason}")
 }
 
 /// The table that a person reads.
@@ -68,7 +91,7 @@ pub(super) fn text(report: &Evaluation) -> String {
          normalised score  {normalised}\n\
          success           {success:.3}\n\
          dataset           mean return {dataset_mean:.1}, largest {dataset_max:.1}\n\
-         faulted episodes  {faulted}",
+         faulted episodes  {faulted}{faults}",
         task = report.task,
         episodes = report.returns.len(),
         seed = report.seed,
@@ -79,5 +102,6 @@ pub(super) fn text(report: &Evaluation) -> String {
         dataset_mean = report.dataset_mean,
         dataset_max = report.dataset_max,
         faulted = report.faulted,
+        faults = report.faults.iter().map(fault_text).collect::<String>(),
     )
 }

@@ -104,6 +104,7 @@ impl Ends for EvaluateError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Load(_) | Self::Artifact(_) => ExitCode::BadInput,
+            Self::Task(_) => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),
         }

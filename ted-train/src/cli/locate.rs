@@ -6,6 +6,7 @@ use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::tasks;
 
+use crate::collect::NAMESPACE;
 use crate::dataset::{Dataset, DatasetError};
 use crate::run::{DatasetReference, RunFolder};
 
@@ -25,10 +26,50 @@ pub(super) fn datasets_root() -> PathBuf {
 }
 
 /// Opens what a person calls a dataset: a folder, a Minari id such as `ted/drawer-open-v3-paper-s0-v0`, or a task,
-/// which means the dataset that `ted collect --task` writes.
-pub(super) fn open_dataset(name: &str) -> Result<(Dataset, PathBuf), DatasetError> {
+/// which means the dataset that `ted collect --task` writes when it is told nothing else.
+pub(super) fn open_dataset(name: &str) -> Result<(Dataset, PathBuf), Failure> {
     let path = dataset_path(name);
-    Ok((Dataset::open(&path)?, path))
+    match Dataset::open(&path) {
+        Ok(dataset) => Ok((dataset, path)),
+        Err(error @ DatasetError::NotFound { .. }) => match collected(name).as_slice() {
+            [] => Err(end(error)),
+            others => Err(Failure::new(
+                ExitCode::BadInput,
+                format_args!("{error}; of this name there are: {}", others.join(", ")),
+            )),
+        },
+        Err(error) => Err(end(error)),
+    }
+}
+
+/// Ids of the collected datasets whose name begins with this, such as those of a task that are not the full one of seed 0.
+fn collected(name: &str) -> Vec<String> {
+    let folders = std::fs::read_dir(datasets_root().join(NAMESPACE));
+    let mut ids: Vec<String> = folders
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|folder| !name.is_empty() && folder.starts_with(name))
+        .map(|folder| format!("{NAMESPACE}/{folder}"))
+        .collect();
+    ids.sort();
+    ids
+}
+
+/// The artefact of a run.
+pub(super) fn artefact_of(folder: &RunFolder) -> Result<PathBuf, Failure> {
+    let path = folder.artefact_path();
+    if path.exists() {
+        return Ok(path);
+    }
+    Err(Failure::new(
+        ExitCode::BadInput,
+        format_args!(
+            "the run in {} has no policy.ted: the same `ted train` command finishes it, and `ted export` makes the artefact \
+             of a finished run again",
+            folder.path().display()
+        ),
+    ))
 }
 
 /// The path itself if there is something, and otherwise the dataset that a person may mean by it.
@@ -48,7 +89,17 @@ pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Data
         None if reference.path.exists() => reference.path,
         None => datasets_root().join(&reference.id),
     };
-    let dataset = Dataset::open(&path).map_err(end)?;
+    let dataset = Dataset::open(&path).map_err(|error| match error {
+        DatasetError::NotFound { .. } => Failure::new(
+            ExitCode::BadInput,
+            format_args!(
+                "the dataset {} of the run is not at {}: say with --dataset where it is now",
+                reference.id,
+                path.display()
+            ),
+        ),
+        error => end(error),
+    })?;
     if dataset.digest() == reference.digest {
         Ok(dataset)
     } else {
@@ -72,7 +123,7 @@ fn dataset_path(name: &str) -> PathBuf {
         path.to_path_buf()
     } else if tasks::single(name).is_ok() {
         datasets_root()
-            .join("ted")
+            .join(NAMESPACE)
             .join(format!("{name}-paper-s0-v0"))
     } else {
         datasets_root().join(name)

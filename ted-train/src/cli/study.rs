@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
@@ -26,8 +27,14 @@ Examples:
   ted study policies --presets true --seeds 3 --set iql.steps=100000 --out runs/study/true-100k
   ted study policies --set iql.steps=50000 --table     what is finished so far";
 
+const STUDY_EXAMPLES: &str = "\
+Examples:
+  ted study reward
+  ted study policies --presets true,oprl-i+ted --set iql.steps=50000";
+
 /// Measure what the defaults were chosen by
 #[derive(Debug, Args)]
+#[command(after_help = STUDY_EXAMPLES)]
 pub(super) struct StudyArgs {
     #[command(subcommand)]
     study: Study,
@@ -147,6 +154,16 @@ fn reward(args: &RewardArgs) -> Result<(), Failure> {
         .map(|(name, changes)| Ok(((*name).to_owned(), design_config(changes, &args.sets)?)))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|e: crate::config::ConfigError| end(e))?;
+    if designs.is_empty() {
+        let names: Vec<_> = DESIGNS.iter().map(|(name, _)| *name).collect();
+        return Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "no design has that in its name; the designs are: {}",
+                names.join("; ")
+            ),
+        ));
+    }
     let mut log = StudyLog::open(&args.out).map_err(end)?;
     let total = designs.len() as u64 * args.seeds * args.datasets.len() as u64;
     let progress = args
@@ -154,7 +171,7 @@ fn reward(args: &RewardArgs) -> Result<(), Failure> {
         .audience()
         .start("measure reward designs", total, "ensembles");
     for name in &args.datasets {
-        let (dataset, _) = open_dataset(name).map_err(end)?;
+        let (dataset, _) = open_dataset(name)?;
         log.fill(&designs, &dataset, args.seeds, &progress)
             .map_err(end)?;
     }

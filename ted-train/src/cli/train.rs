@@ -69,7 +69,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     let config = overrides.resolve(args.preset, args.seed).map_err(end)?;
     let audience = args.output.audience();
 
-    let (dataset, path) = open_dataset(&args.dataset).map_err(end)?;
+    let (dataset, path) = open_dataset(&args.dataset)?;
     let reference = DatasetReference {
         id: dataset.id().to_owned(),
         digest: dataset.digest().to_owned(),

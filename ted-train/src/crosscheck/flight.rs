@@ -3,31 +3,37 @@
 use firmware_sim::progress::Audience;
 
 use crate::evaluate::{Evaluation, evaluate};
-use crate::run::{RunError, RunFolder};
+use crate::run::RunFolder;
 
 use super::CrosscheckError;
 
 const EVALUATION: &str = "evaluation.json";
 
-/// Episodes compared, and those whose return differs; none when the run has not been evaluated.
+/// What flying the evaluation again came to.
+pub(super) enum Again {
+    /// Episodes compared, and those whose return differs.
+    Compared((u64, u64)),
+    /// Nothing was, and why.
+    Nothing(&'static str),
+}
+
+/// Flies the first episodes of the run's evaluation again.
 pub(super) fn fly_again(
     folder: &RunFolder,
     episodes: u32,
     workers: usize,
     audience: Audience,
-) -> Result<Option<(u64, u64)>, CrosscheckError> {
-    let path = folder.file(EVALUATION);
-    if episodes == 0 || !path.exists() {
-        return Ok(None);
+) -> Result<Again, CrosscheckError> {
+    if episodes == 0 {
+        return Ok(Again::Nothing("not asked for"));
+    }
+    if !folder.file(EVALUATION).exists() {
+        return Ok(Again::Nothing(
+            "the run has no evaluation.json: `ted eval` makes one",
+        ));
     }
     let held: Evaluation = folder.read_json(EVALUATION)?;
-    let unreadable = |message: &str| RunError::Unreadable {
-        path: path.clone(),
-        message: message.to_owned(),
-    };
-    let text = std::fs::read_to_string(&path).map_err(|error| unreadable(&error.to_string()))?;
-    let expected = returns(&text).ok_or_else(|| unreadable("it holds no list of returns"))?;
-    let episodes = episodes.min(u32::try_from(expected.len()).unwrap_or(episodes));
+    let episodes = episodes.min(u32::try_from(held.returns.len()).unwrap_or(episodes));
     let flown = evaluate(
         &folder.artefact_path(),
         Some(&held.task),
@@ -36,35 +42,16 @@ pub(super) fn fly_again(
         workers,
         audience,
     )?;
+    if flown.never_flew() {
+        return Ok(Again::Nothing(
+            "a fault kept the policy from flying in every episode, so that any policy would return the same",
+        ));
+    }
     let different = flown
         .returns
         .iter()
-        .zip(&expected)
-        .filter(|(flown, expected)| flown.to_bits() != expected.to_bits())
+        .zip(&held.returns)
+        .filter(|(flown, held)| flown.to_bits() != held.to_bits())
         .count();
-    Ok(Some((u64::from(episodes), different as u64)))
-}
-
-/// The returns in the text of an evaluation, to the bit. The JSON parser is fast instead of exact in the last place, which is
-/// the place that is compared here.
-fn returns(json: &str) -> Option<Vec<f64>> {
-    let (_, rest) = json.split_once("\"returns\":")?;
-    let (list, _) = rest.split_once('[')?.1.split_once(']')?;
-    list.split(',')
-        .map(|number| number.trim().parse().ok())
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn returns_are_read_back_to_the_bit() {
-        let written = vec![1.0, 0.1 + 0.2, 3690.412345678901, 0.1_f64.sqrt(), 1e300];
-        let json = serde_json::json!({ "seed": 0, "returns": written, "success": 1.0 });
-        let pretty = serde_json::to_string_pretty(&json).unwrap();
-        assert_eq!(returns(&pretty), Some(written));
-        assert_eq!(returns("{}"), None);
-    }
+    Ok(Again::Compared((u64::from(episodes), different as u64)))
 }

@@ -21,6 +21,8 @@ use crate::ted::DiscountConfig;
 use crate::tolerance::{self, Allowed, Tolerance};
 use crate::train::{FinishedRun, TrainError, last_checkpoint};
 
+use flight::{Again, fly_again};
+
 /// How much is compared.
 #[derive(Clone, Copy, Debug)]
 pub struct CrosscheckConfig {
@@ -179,10 +181,9 @@ pub fn crosscheck(
         }
         _ => left_out.push("TED classes: the run has a constant discount".to_owned()),
     }
-    match flight::fly_again(folder, config.episodes, config.workers, audience)? {
-        Some(counts) => checks.push(Check::exact(tolerance::RETURNS, counts)),
-        None if config.episodes == 0 => left_out.push("returns: not asked for".to_owned()),
-        None => left_out.push("returns: the run has no evaluation.json".to_owned()),
+    match fly_again(folder, config.episodes, config.workers, audience)? {
+        Again::Compared(counts) => checks.push(Check::exact(tolerance::RETURNS, counts)),
+        Again::Nothing(why) => left_out.push(format!("returns: {why}")),
     }
 
     let (rows, observations) = rows(dataset, config.sample, run.config().seed);

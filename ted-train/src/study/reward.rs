@@ -4,7 +4,7 @@
 //! several tasks and seeds. Each cell of the study is appended to a JSONL file as it is measured; a stopped study goes on.
 
 use std::collections::BTreeMap;
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -101,7 +101,8 @@ pub fn measure(
     })
 }
 
-/// The configuration of a design, with what the person set on top.
+/// The configuration of a design: the defaults, what the person set, and what the design changes, which wins because its
+/// name says so.
 ///
 /// # Errors
 /// When a `--set` is not valid for a reward ensemble.
@@ -124,30 +125,47 @@ pub fn design_config(
     }
 }
 
-/// The file of a study, with the cells it already holds.
+/// The file of a study, with the cells it already holds. No other process writes to its folder meanwhile.
 pub struct StudyLog {
     folder: PathBuf,
+    _lock: File,
     /// Cells measured so far.
     pub cells: Vec<Cell>,
 }
 
 impl StudyLog {
-    /// Opens the log of a folder or begins one; a torn last line is measured again.
+    /// Opens the log of a folder or begins one. A last line that was torn by a kill is measured again.
     ///
     /// # Errors
-    /// When the folder cannot be made.
+    /// When another process has the folder, the disk fails, or a whole line is not a cell: nothing is changed then.
     pub fn open(folder: &Path) -> Result<Self, WriteError> {
         disk::create_folder(folder)?;
+        let lock = disk::lock(folder)?;
         let path = folder.join("cells.jsonl");
-        let text = std::fs::read_to_string(&path).unwrap_or_default();
-        let cells: Vec<Cell> = text
-            .lines()
-            .map_while(|line| serde_json::from_str(line).ok())
-            .collect();
-        let whole: String = text.split_inclusive('\n').take(cells.len()).collect();
-        disk::replace(&path, whole.as_bytes())?;
+        let held = match std::fs::read(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+            held => held.map_err(|error| WriteError::at(&path, error))?,
+        };
+        let whole = held
+            .iter()
+            .rposition(|&b| b == b'\n')
+            .map_or(0, |end| end + 1);
+        let cells = held[..whole]
+            .split_inclusive(|&b| b == b'\n')
+            .enumerate()
+            .map(|(line, text)| {
+                serde_json::from_slice(text).map_err(|error| WriteError::Different {
+                    path: path.clone(),
+                    difference: format!("line {} is not a cell of this study: {error}", line + 1),
+                })
+            })
+            .collect::<Result<_, _>>()?;
+        if whole < held.len() {
+            disk::replace(&path, &held[..whole])?;
+        }
         Ok(Self {
             folder: folder.to_path_buf(),
+            _lock: lock,
             cells,
         })
     }
@@ -160,6 +178,7 @@ impl StudyLog {
         let path = self.path();
         let line = serde_json::to_string(&cell).expect("a cell is plain data") + "\n";
         OpenOptions::new()
+            .create(true)
             .append(true)
             .open(&path)
             .and_then(|mut file| file.write_all(line.as_bytes()))
@@ -242,5 +261,37 @@ impl StudyLog {
             }
         }
         rows.join("\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_torn_last_line_is_dropped_and_a_damaged_one_is_named_and_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cells.jsonl");
+        std::fs::write(&path, b"{\"design\": \"def").unwrap();
+        assert!(StudyLog::open(folder.path()).unwrap().cells.is_empty());
+        assert_eq!(std::fs::read(&path).unwrap(), b"");
+
+        let damaged = b"\xff\n";
+        std::fs::write(&path, damaged).unwrap();
+        let error = StudyLog::open(folder.path()).err().unwrap().to_string();
+        assert!(error.contains("line 1"), "{error}");
+        assert_eq!(std::fs::read(&path).unwrap(), damaged);
+    }
+
+    #[test]
+    fn two_processes_do_not_measure_into_one_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = StudyLog::open(folder.path()).unwrap();
+        assert!(matches!(
+            StudyLog::open(folder.path()),
+            Err(WriteError::Busy { .. })
+        ));
+        drop(first);
+        assert!(StudyLog::open(folder.path()).is_ok());
     }
 }
