@@ -45,7 +45,7 @@ pub struct Evaluation {
 /// The fault that ended the policy's part in an episode.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EpisodeFault {
-    /// The episode's place among the returns.
+    /// The episode's place among those that were flown.
     pub episode: usize,
     /// Ticks that the policy had flown before.
     pub tick: u32,
@@ -53,6 +53,20 @@ pub struct EpisodeFault {
     pub code: u8,
     /// The reason.
     pub reason: String,
+}
+
+impl EpisodeFault {
+    /// The fault of an episode, if it had one.
+    #[must_use]
+    pub fn of(episode: usize, report: &EpisodeReport) -> Option<Self> {
+        let latched = report.fault?;
+        Some(Self {
+            episode,
+            tick: latched.tick,
+            code: latched.fault.code(),
+            reason: latched.fault.to_string(),
+        })
+    }
 }
 
 impl Evaluation {
@@ -127,19 +141,9 @@ pub fn evaluate(
             .episodes
             .iter()
             .enumerate()
-            .filter_map(fault_of)
+            .filter_map(|(episode, report)| EpisodeFault::of(episode, report))
             .collect(),
         dataset_mean: provenance.dataset_return_mean,
         dataset_max: provenance.dataset_return_max,
-    })
-}
-
-fn fault_of((episode, report): (usize, &EpisodeReport)) -> Option<EpisodeFault> {
-    let latched = report.fault?;
-    Some(EpisodeFault {
-        episode,
-        tick: latched.tick,
-        code: latched.fault.code(),
-        reason: latched.fault.to_string(),
     })
 }

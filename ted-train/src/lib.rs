@@ -15,6 +15,7 @@ pub mod iql;
 pub mod nn;
 pub mod preferences;
 pub mod quickstart;
+pub mod replay;
 pub mod reward;
 pub mod rng;
 pub mod run;

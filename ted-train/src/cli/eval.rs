@@ -7,24 +7,27 @@ use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
+use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::config::Config;
-use crate::evaluate::{EpisodeFault, Evaluation, evaluate};
+use crate::evaluate::{EpisodeFault, EvaluateError, Evaluation, evaluate};
+use crate::replay::{Replayed, replay};
 use crate::run::RunFolder;
 
 use super::collect::workers;
 use super::failures::end;
-use super::locate::artefact_of;
+use super::locate::{artefact_of, dataset_of};
 
 const EXAMPLES: &str = "\
 Examples:
   ted eval runs/drawer-open-v3/true/seed-0
   ted eval runs/drawer-open-v3/true/seed-0 --episodes 200 --seed 7 --json
+  ted eval runs/drawer-open-v3/true/seed-0 --replay
 
 The episodes are those of `firmware-sim fly` with the same seed, and so are the returns, to the bit. Exit code 7 when the
 controller latched a fault.";
 
-/// Fly the policy of a run in Meta-World and report return, score and success
+/// Fly the policy of a run in Meta-World and report return, score and success; or show it the logs and move nothing
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct EvalArgs {
@@ -42,15 +45,40 @@ pub(super) struct EvalArgs {
     /// Simulator processes; all cores if not given. Changes nothing but the time
     #[arg(long)]
     workers: Option<NonZeroUsize>,
+    /// Show the recorded observations of the run's dataset to the controller instead of flying: how far its actions are from
+    /// the recorded ones, and whether it would have stopped. Needs no simulator
+    #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers"])]
+    replay: bool,
+    /// The dataset to replay, if it is no longer where the run found it
+    #[arg(long, requires = "replay")]
+    dataset: Option<String>,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
     let folder = RunFolder::open(&args.run).map_err(end)?;
+    if args.replay {
+        replay_logs(args, &folder)
+    } else {
+        fly_again(args, &folder)
+    }
+}
+
+fn replay_logs(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
+    let dataset = dataset_of(folder, args.dataset.as_deref())?;
+    let bytes =
+        ArtifactBytes::read(artefact_of(folder)?).map_err(|e| end(EvaluateError::Load(e)))?;
+    let artifact = Artifact::parse(&bytes).map_err(|e| end(EvaluateError::Artifact(e)))?;
+    let report = replay(&artifact, &dataset, args.output.audience()).map_err(end)?;
+    args.output.print(&report, || replay_text(&report))?;
+    verdict(report.faults.len(), report.episodes)
+}
+
+fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
     let config = Config::read(&folder.config_path()).map_err(end)?;
     let report = evaluate(
-        &artefact_of(&folder)?,
+        &artefact_of(folder)?,
         args.task.as_deref(),
         args.episodes,
         args.seed.unwrap_or(config.seed),
@@ -59,16 +87,40 @@ pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
     )
     .map_err(end)?;
     args.output.print(&report, || text(&report))?;
-    match report.faulted {
+    verdict(report.faulted, report.returns.len())
+}
+
+/// A latched fault is a failure of its own kind.
+fn verdict(faulted: usize, episodes: usize) -> Result<(), Failure> {
+    match faulted {
         0 => Ok(()),
         faulted => Err(Failure::new(
             ExitCode::Faulted,
-            format_args!(
-                "the controller latched a fault in {faulted} of {} episodes",
-                report.returns.len()
-            ),
+            format_args!("the controller latched a fault in {faulted} of {episodes} episodes"),
         )),
     }
+}
+
+fn replay_text(report: &Replayed) -> String {
+    let difference = report.largest_difference.map_or_else(String::new, |worst| {
+        format!(
+            "\ndifference        at most {:.4} from the recorded actions (episode {}, step {}, action {})",
+            worst.absolute, worst.seed, worst.step, worst.dimension
+        )
+    });
+    format!(
+        "{dataset}: {episodes} episodes, {ticks} ticks\n\
+         clamped           {clamped} ticks\n\
+         slew-limited      {limited} ticks{difference}\n\
+         faulted episodes  {faulted}{faults}",
+        dataset = report.dataset,
+        episodes = report.episodes,
+        ticks = report.ticks,
+        clamped = report.clamped_ticks,
+        limited = report.slew_limited_ticks,
+        faulted = report.faults.len(),
+        faults = report.faults.iter().map(fault_text).collect::<String>(),
+    )
 }
 
 fn fault_text(fault: &EpisodeFault) -> String {

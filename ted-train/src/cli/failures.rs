@@ -14,6 +14,7 @@ use crate::export::ExportError;
 use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
+use crate::replay::ReplayDatasetError;
 use crate::reward::oprl::LearnError;
 use crate::run::RunError;
 use crate::study::policies::StudyError;
@@ -106,6 +107,15 @@ impl Ends for EvaluateError {
             Self::Load(_) | Self::Artifact(_) => ExitCode::BadInput,
             Self::Task(_) => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
+            Self::Fly(error) => error.exit_code(),
+        }
+    }
+}
+
+impl Ends for ReplayDatasetError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Replay(_) => ExitCode::BadInput,
             Self::Fly(error) => error.exit_code(),
         }
     }

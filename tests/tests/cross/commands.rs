@@ -34,7 +34,7 @@ fn a_quickstart_goes_all_the_way_and_every_command_works_on_what_it_wrote() {
         "--task",
         "reach-v3",
         "--episodes",
-        "6",
+        "20",
         "--steps",
         "40",
         "--out",
@@ -73,8 +73,31 @@ fn a_quickstart_goes_all_the_way_and_every_command_works_on_what_it_wrote() {
         fs::read(at.join("again.ted")).unwrap(),
         fs::read(at.join(policy)).unwrap()
     );
+    // No recorded observation is outside the ranges that were taken from these very logs.
+    let replayed = json(&mut ted(at, &["eval", run, "--replay"]), &[0]);
+    assert_eq!(
+        (&replayed["episodes"], &replayed["ticks"]),
+        (&20.into(), &10_000.into())
+    );
+    assert!(replayed["largest_difference"]["absolute"].as_f64() > Some(0.0));
+
     let checked = ["crosscheck", run, "--episodes", "1", "--sample", "200"];
     assert_eq!(failed(&json(&mut ted(at, &checked), &[0])), 0);
+
+    // Another run's artefact in this folder is found out, by what it says and by how it flies.
+    let other = [&quickstart[..], &["--seed", "1"]].concat();
+    let other = json(&mut ted(at, &other), &[0]);
+    fs::copy(at.join(written(&other, "artefact")), at.join(policy)).unwrap();
+    let report = json(&mut ted(at, &checked), &[7]);
+    let unequal = |what: &str| {
+        let checks = report["checks"].as_array().unwrap();
+        let named = |check: &&Value| check["what"].as_str().unwrap().starts_with(what);
+        let check = checks.iter().find(named);
+        check.unwrap_or_else(|| panic!("no {what}: {report}"))["passed"] == false
+    };
+    for what in ["weights,", "bytes, exported again", "returns, flown again"] {
+        assert!(unequal(what), "{what}: {report}");
+    }
 }
 
 #[test]

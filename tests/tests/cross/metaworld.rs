@@ -90,9 +90,13 @@ fn a_killed_collection_goes_on_to_the_bytes_of_one_that_was_left_alone() {
 fn the_trainer_s_evaluation_and_firmware_sim_fly_agree_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
-    said(&mut collect(root, "3", "2"), &[0]);
+    // Enough episodes for the ranges of the contract, or no policy would fly a tick and any would return the same.
+    said(&mut collect(root, "20", "2"), &[0]);
     let mut train = command("ted");
-    train.current_dir(root).arg("train").arg(dataset(root, "3"));
+    train
+        .current_dir(root)
+        .arg("train")
+        .arg(dataset(root, "20"));
     train.args([
         "--preset",
         "true",
@@ -122,8 +126,8 @@ fn the_trainer_s_evaluation_and_firmware_sim_fly_agree_to_the_bit() {
     let mut fly = command("firmware-sim");
     fly.current_dir(root)
         .args(["fly", "run/policy.ted", "--episodes", "2", "--seed", "5"]);
-    // A policy of fifty updates may well leave the range it knows: then both must say so.
-    let flown: Value = serde_json::from_str(&said(fly.arg("--json"), &[0, 7])).unwrap();
+    let flown: Value = serde_json::from_str(&said(fly.arg("--json"), &[0])).unwrap();
+    assert_eq!(flown["faulted"], 0);
     let returns: Vec<&Value> = flown["episodes"]
         .as_array()
         .unwrap()

@@ -1,0 +1,110 @@
+//! The logs as a plant: what the controller would have done at every recorded observation.
+//!
+//! Nothing is simulated and nothing moves, so this is the last look before a policy drives a robot: would a range check stop
+//! it on observations that the robot did see, and how far are its actions from the recorded ones?
+
+use firmware_sim::controller::Controller;
+use firmware_sim::interrupt;
+use firmware_sim::plants::recording::{Recording, RecordingShape};
+use firmware_sim::plants::replay::{Difference, ReplayError, ReplayPlant};
+use firmware_sim::progress::Audience;
+use firmware_sim::rollout::{FlyError, fly_episode};
+use serde::Serialize;
+use ted_policy::Artifact;
+
+use crate::dataset::{Dataset, Episode};
+use crate::evaluate::EpisodeFault;
+
+/// What the controller did on a dataset.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Replayed {
+    /// The dataset's id.
+    pub dataset: String,
+    /// Its episodes.
+    pub episodes: usize,
+    /// Their steps, of which each is a tick.
+    pub ticks: u64,
+    /// Ticks whose action was clamped into the contract's range.
+    pub clamped_ticks: u64,
+    /// Ticks whose action was held back by the slew limit.
+    pub slew_limited_ticks: u64,
+    /// The faults that were latched, at most one an episode.
+    pub faults: Vec<EpisodeFault>,
+    /// Where an action was farthest from the recorded one; `seed` is the episode's place in the dataset.
+    pub largest_difference: Option<Difference>,
+}
+
+/// Why a dataset could not be shown to a policy.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum ReplayDatasetError {
+    /// An episode does not fit together.
+    Replay(#[from] ReplayError),
+    /// The controller or the plant refused, or somebody asked to stop.
+    Fly(#[from] FlyError),
+}
+
+/// Shows every observation of the dataset to the controller, on a clock that is never late.
+///
+/// # Errors
+/// When this machine does not compute the artefact's golden vectors, the shapes differ, or a stop is asked for.
+pub fn replay(
+    artifact: &Artifact<'_>,
+    dataset: &Dataset,
+    audience: Audience,
+) -> Result<Replayed, ReplayDatasetError> {
+    let mut controller = Controller::load(artifact).map_err(FlyError::Load)?;
+    let shape = RecordingShape {
+        observation_dim: dataset.observation_dim(),
+        action_dim: dataset.action_dim(),
+        control_period_us: artifact.contract().control_period_us,
+    };
+    let mut replayed = Replayed {
+        dataset: dataset.id().to_owned(),
+        episodes: dataset.episodes().len(),
+        ticks: 0,
+        clamped_ticks: 0,
+        slew_limited_ticks: 0,
+        faults: Vec::new(),
+        largest_difference: None,
+    };
+    let progress = audience.start("replay the logs", replayed.episodes as u64, "episodes");
+    for (number, episode) in dataset.episodes().iter().enumerate() {
+        if interrupt::requested() {
+            return Err(FlyError::Interrupted { flown: number }.into());
+        }
+        let seed = number as u64;
+        let mut plant = ReplayPlant::new(shape, vec![recording(dataset, episode, seed)])?;
+        let (report, _) = fly_episode(&mut controller, &mut plant, seed)
+            .map_err(|source| FlyError::Episode { seed, source })?;
+        replayed.ticks += u64::from(report.ticks);
+        replayed.clamped_ticks += u64::from(report.clamped_ticks);
+        replayed.slew_limited_ticks += u64::from(report.slew_limited_ticks);
+        replayed.faults.extend(EpisodeFault::of(number, &report));
+        let worst = |difference: &Option<Difference>| difference.map_or(-1.0, |d| d.absolute);
+        let difference = plant.largest_difference();
+        if worst(&difference) > worst(&replayed.largest_difference) {
+            replayed.largest_difference = difference;
+        }
+        progress.advance(1);
+    }
+    progress.finish();
+    Ok(replayed)
+}
+
+fn recording(dataset: &Dataset, episode: &Episode, seed: u64) -> Recording {
+    let steps = episode.first_step..episode.first_step + episode.len;
+    let (observation, action) = (dataset.observation_dim(), dataset.action_dim());
+    let first_row = dataset.observations_row(episode.first_step);
+    let rows = first_row * observation..(first_row + episode.len + 1) * observation;
+    Recording {
+        seed,
+        observations: dataset.observations()[rows].to_vec(),
+        actions: dataset.actions()[steps.start * action..steps.end * action].to_vec(),
+        rewards: dataset.rewards_true()[steps.clone()]
+            .iter()
+            .map(|&reward| f64::from(reward))
+            .collect(),
+        success: dataset.success()[steps].to_vec(),
+    }
+}
