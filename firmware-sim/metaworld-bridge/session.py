@@ -43,6 +43,11 @@ def versions():
     return " ".join(f"{name}={version}" for name, version in parts.items())
 
 
+def read_action(payload):
+    """The values of an action on the wire."""
+    return np.frombuffer(payload, "<f4").reshape(ACTION)
+
+
 class Session:
     """The open task and the buffers that a step reuses."""
 
@@ -70,9 +75,6 @@ class Session:
                 reply, parts = self._serve[kind](payload)
             except Refusal as refusal:
                 self._link.send(messages.FAULT, sequence, messages.fault(refusal.code, str(refusal)))
-            except (struct.error, ValueError, UnicodeDecodeError) as error:
-                self._in_episode = False
-                self._link.send(messages.FAULT, sequence, messages.fault(messages.BAD_REQUEST, str(error)))
             except Exception:
                 self._in_episode = False
                 self._link.send(
@@ -82,7 +84,7 @@ class Session:
                 self._link.send(reply, sequence, *parts)
 
     def _open(self, payload):
-        name = messages.read_text(payload)
+        name = self._parsed(messages.read_text, payload)
         if name not in ALL_V3_ENVIRONMENTS:
             raise Refusal(messages.UNKNOWN_TASK, f"metaworld {metadata.version('metaworld')} has no task {name!r}")
         self._in_episode = False
@@ -94,7 +96,7 @@ class Session:
         return messages.OPENED, [messages.SHAPE.pack(*shape)]
 
     def _reset(self, payload):
-        (seed,) = messages.RESET_REQUEST.unpack(payload)
+        (seed,) = self._parsed(messages.RESET_REQUEST.unpack, payload)
         self._observation[:] = self._opened().reset(seed)
         self._in_episode = True
         return messages.RESETTED, [self._observation, self._task.goal.astype("<f8")]
@@ -102,7 +104,7 @@ class Session:
     def _step(self, payload):
         if not self._in_episode:
             raise Refusal(messages.NO_EPISODE, "a step outside an episode: reset first")
-        self._action[:] = np.frombuffer(payload, "<f4").reshape(ACTION)
+        self._action[:] = self._parsed(read_action, payload)
         observation, reward, success, terminated, truncated = self._task.step(self._action)
         self._in_episode = not (terminated or truncated)
         self._observation[:] = observation
@@ -111,13 +113,21 @@ class Session:
         return messages.STEPPED, [self._observation, self._outcome]
 
     def _collect(self, payload):
-        seed, steps, noise_std, epsilon = messages.COLLECT_REQUEST.unpack(payload)
+        seed, steps, noise_std, epsilon = self._parsed(messages.COLLECT_REQUEST.unpack, payload)
         task = self._opened()
         self._in_episode = False
         if not 1 <= steps <= task.horizon:
             raise Refusal(messages.BAD_REQUEST, f"{steps} steps in a task of 1 to {task.horizon}")
         record = collect(task, seed, steps, noise_std, epsilon)
         return messages.COLLECTED, [messages.EPISODE_STEPS.pack(record.steps), *record.parts()]
+
+    def _parsed(self, parse, payload):
+        """What is in a payload, apart from the serving: an error of the simulator's is no bad request."""
+        try:
+            return parse(payload)
+        except (struct.error, ValueError) as error:
+            self._in_episode = False
+            raise Refusal(messages.BAD_REQUEST, str(error)) from error
 
     def _opened(self):
         if self._task is None:
