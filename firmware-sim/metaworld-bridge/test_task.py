@@ -87,6 +87,24 @@ class Episodes(unittest.TestCase):
                 self.compare_with_package(packaged(name, fresh.goal.copy()), fresh)
         self.assertGreater(len(moved), len(TASKS) // 2, "most tasks move something in the model: there is a trace to remove")
 
+    def test_a_recorded_row_puts_the_simulator_back_to_where_it_was(self):
+        """Up to the solver's warm start, which is not recorded."""
+        for name in TASKS:
+            with self.subTest(name):
+                task = Task(name)
+                record = collect(task, SEED, STEPS, NOISE, EPSILON)
+                row = STEPS // 2
+                task.reset_to(record.goal)
+                data = task.env.data
+                data.qpos[:], data.qvel[:] = record.qpos[row], record.qvel[row]
+                data.mocap_pos[:], data.mocap_quat[:] = record.mocap_pos[row], record.mocap_quat[row]
+                mujoco.mj_forward(task.env.model, data)
+                observation, reward, *_ = task.step(record.actions[row])
+                np.testing.assert_allclose(data.qpos, record.qpos[row + 1], rtol=0, atol=1e-12)
+                np.testing.assert_allclose(data.qvel, record.qvel[row + 1], rtol=0, atol=1e-9)
+                np.testing.assert_allclose(observation[:18], record.observations[row + 1][:18], rtol=1e-6, atol=1e-9)
+                self.assertAlmostEqual(reward, record.rewards[row], delta=1e-9)
+
     def test_forgets_whatever_was_changed(self):
         task = Task("hammer-v3")
         untouched = model_digest(task)

@@ -1,8 +1,11 @@
 //! The simulator itself. The first of these tests to run installs it, if no command has before.
 
 use std::ops::ControlFlow;
+use std::process::{Command, Stdio};
 use std::sync::LazyLock;
+use std::time::Duration;
 
+use firmware_sim::bridge::speed::{self, Speed};
 use firmware_sim::bridge::{
     Behaviour, BridgeError, Environment, EpisodeJob, Pool, Worker, environment,
 };
@@ -10,6 +13,7 @@ use firmware_sim::plant::{Plant, PlantError};
 use firmware_sim::plants::metaworld::MetaWorldPlant;
 use firmware_sim::progress::Audience;
 
+use crate::fake::bridge;
 use crate::python::passes;
 
 static ENVIRONMENT: LazyLock<Environment> =
@@ -34,6 +38,11 @@ fn worker() -> Worker {
 #[test]
 fn tasks_equal_the_package_s_own_whatever_was_played_before() {
     passes(ENVIRONMENT.python(), "test_task.py");
+}
+
+#[test]
+fn a_session_tells_a_request_that_makes_no_sense_from_a_simulator_that_fails() {
+    passes(ENVIRONMENT.python(), "test_session.py");
 }
 
 #[test]
@@ -153,6 +162,38 @@ fn two_workers_play_what_one_plays() {
         result.map(|()| episodes).expect("all are played")
     };
     assert_eq!(play(1), play(2));
+}
+
+#[test]
+fn a_measurement_inside_python_ends_with_its_parent() {
+    let mut script = Command::new(ENVIRONMENT.python())
+        .arg("-Es")
+        .arg(bridge().join("speed.py"))
+        // Minutes of steps: it does not come to its own end.
+        .args(["reach-v3", "1000000"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    drop(script.stdin.take());
+    let output = script.wait_with_output().expect("it ends");
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn the_speed_is_that_of_the_bridge_and_of_both_ways_inside_python() {
+    let speed = speed::measure(&ENVIRONMENT, "reach-v3", 20).expect("three times");
+    let Speed {
+        bridge,
+        package,
+        task,
+    } = speed;
+    assert!(
+        [bridge, package, task]
+            .iter()
+            .all(|time| !time.is_zero() && *time < Duration::MAX)
+    );
+    assert!(speed.of_task() > 0.0 && speed.of_package() > 0.0);
 }
 
 #[test]
