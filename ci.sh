@@ -40,10 +40,22 @@ installed() {
         local package=${component/fmt/rustfmt}
         rustup component add "$package" 2>/dev/null || missing "cargo $component: rustup component add $package"
     done
-    command -v python3 >/dev/null || missing "python3, version 3.10 to 3.13"
-    python3 -c 'import venv, ensurepip' 2>/dev/null || missing "Python's venv module: install the package python3-venv"
+    find_python
     cargo --version
-    python3 --version
+    "$python" --version
+}
+
+# The interpreter that the bridge chooses, and the same conditions: firmware-sim/src/bridge/environment/python.rs.
+find_python() {
+    local candidates=(python3 python3.13 python3.12 python3.11 python3.10)
+    if [ -n "${TED_PYTHON:-}" ]; then
+        candidates=("$TED_PYTHON")
+    fi
+    for python in "${candidates[@]}"; do
+        "$python" -Es -c 'import sys, venv, ensurepip; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && return
+    done
+    missing "Python 3.10 to 3.13 with its venv module: install one (on Debian and Ubuntu python3-venv as well), or name it with
+TED_PYTHON=/path/to/python3"
 }
 
 documented() {
@@ -60,7 +72,7 @@ without_std() {
 
 step "what is installed" installed
 step "format" cargo fmt --all -- --check
-step "the bridge's Python, as far as it needs no simulator" python3 -Es firmware-sim/metaworld-bridge/test_wire.py
+step "the bridge's Python, as far as it needs no simulator" "$python" -Es firmware-sim/metaworld-bridge/test_wire.py
 step "the controller without std" without_std
 step "no panic and no allocation in the device crates" tests/device-probe/check.sh
 step "lints" cargo clippy --locked --release --workspace --all-targets -- -D warnings

@@ -1,13 +1,14 @@
 """A worker without a simulator, for tests of the parent: it speaks the protocol, or breaks it in one way on purpose.
 
-The file `mode` in the current directory says how; every start appends a line to the file `starts`, and a lock is held on
-the file `alive` for as long as the process lives.
+The file `mode` in the current directory says how. A lock is held on the file `alive` for as long as the process lives; with
+the lock in its hands, every start appends a line to the file `starts`, and a worker that computes for ever one to `busy`.
 """
 
 import fcntl
 import os
 import pathlib
 import random
+import signal
 import struct
 import sys
 import time
@@ -69,12 +70,13 @@ def serve(link, mode, starts):
 
 def answered_badly(link, mode, starts, sequence):
     """Does what the mode asks for in the middle of an episode; whether that was an answer of some kind."""
-    if mode == "dies always" or (mode == "dies once" and starts == 1):
+    if mode == "dies always" or (mode.startswith("dies once") and starts == 1):
         print("first line\nthe simulator exploded", file=sys.stderr, flush=True)
-        os._exit(9)
+        os.kill(os.getpid(), signal.SIGKILL)
     elif mode == "hangs":
         time.sleep(3600)
     elif mode == "computes for ever":
+        note("busy")
         while True:
             pass
     elif mode == "flips a bit":
@@ -99,12 +101,17 @@ def answered_badly(link, mode, starts, sequence):
     return True
 
 
+def note(file):
+    """Appends a line about this process."""
+    with open(file, "a") as lines:
+        print(os.getpid(), file=lines)
+
+
 def main():
     mode = pathlib.Path("mode").read_text()
-    with open("starts", "a") as starts:
-        print(os.getpid(), file=starts)
     alive = open("alive", "w")
     fcntl.flock(alive, fcntl.LOCK_SH)
+    note("starts")
     link = wire.Link(REQUESTS, REPLIES)
     if mode == "dies at once":
         sys.exit("no simulator here")
@@ -117,11 +124,12 @@ def main():
     link.send_hello()
     leave_with_parent(REQUESTS)
     link.receive_hello()
-    if mode == "cannot start":
+    starts = len(pathlib.Path("starts").read_text().splitlines())
+    if mode == "cannot start" or (mode == "dies once and never starts again" and starts > 1):
         link.send(messages.FAULT, 0, messages.fault(messages.CANNOT_START, "No module named 'mujoco'"))
         sys.exit(1)
     link.send(messages.READY, 0, messages.text("fake=1"))
-    serve(link, mode, len(pathlib.Path("starts").read_text().splitlines()))
+    serve(link, mode, starts)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 
 import os
 import runpy
+import subprocess
 import sys
 
 from parent import leave_with_parent
@@ -22,11 +23,18 @@ def main(step, *arguments):
 def create(directory):
     import venv
 
-    venv.EnvBuilder(with_pip=True, symlinks=True).create(directory)
+    try:
+        venv.EnvBuilder(with_pip=True, symlinks=True).create(directory)
+    except subprocess.CalledProcessError as error:
+        # ensurepip's words are in the exception, and its message leaves them out.
+        sys.exit(f"{error}\n{(error.output or b'').decode(errors='replace')}")
 
 
 def install(requirements):
-    options = ["--require-hashes", "--only-binary", ":all:", "--no-input", "--progress-bar", "off", "--retries", "2"]
+    # Settings of the person that would put the packages anywhere else.
+    for elsewhere in ["PIP_TARGET", "PIP_PREFIX", "PIP_ROOT"]:
+        os.environ.pop(elsewhere, None)
+    options = ["--no-user", "--require-hashes", "--only-binary", ":all:", "--no-input", "--progress-bar", "off", "--retries", "2"]
     sys.argv = ["pip", "install", "--disable-pip-version-check", *options, "-r", requirements]
     runpy.run_module("pip", run_name="__main__", alter_sys=True)
 

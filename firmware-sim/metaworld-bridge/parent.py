@@ -18,7 +18,7 @@ def leave_with_parent(stdin, whole_group=False):
 
     def watch():
         poll = select.poll()
-        poll.register(stdin, 0)
+        poll.register(stdin, select.POLLHUP)  # always reported on Linux, only on request on macOS
         while True:
             events = poll.poll(CHECK_PERIOD_MS)
             if events or os.getppid() != first_parent:

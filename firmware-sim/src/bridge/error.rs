@@ -26,13 +26,15 @@ pub enum BridgeError {
     /// The worker belongs to another version of this program.
     #[error(
         "talk to the simulator: it speaks protocol {actual}, this program {expected}; \
-         the worker's files belong to another version of ted, which `ted doctor` can tell"
+         the worker's files belong to another version of ted: {remedy}"
     )]
     ProtocolVersion {
         /// What this program speaks.
         expected: u32,
         /// What the worker speaks.
         actual: u32,
+        /// What the person can do.
+        remedy: String,
     },
     /// The process is running but what it sent first is no greeting.
     #[error("talk to the simulator: what was started is not a bridge worker{last_words}")]
@@ -41,12 +43,12 @@ pub enum BridgeError {
         last_words: LastWords,
     },
     /// The worker could not import the simulator.
-    #[error(
-        "start the simulator: {message}; run `ted doctor` to check the installation{last_words}"
-    )]
+    #[error("start the simulator: {message}; {remedy}{last_words}")]
     CannotStart {
         /// The import error.
         message: String,
+        /// What the person can do.
+        remedy: String,
         /// What it said on standard error.
         last_words: LastWords,
     },

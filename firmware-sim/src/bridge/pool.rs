@@ -120,12 +120,20 @@ fn play(
         result => return result,
     };
     match attempt(environment, worker, job) {
-        Err(second) if second.is_worker_failure() => Err(BridgeError::FailedTwice {
-            task: job.task.clone(),
-            seed: job.seed,
-            first: Box::new(first),
-            second: Box::new(second),
-        }),
+        // What the first worker said may explain the second one's trouble; a refusal says all by itself.
+        Err(second)
+            if !matches!(
+                second,
+                BridgeError::Interrupted | BridgeError::Refused { .. }
+            ) =>
+        {
+            Err(BridgeError::FailedTwice {
+                task: job.task.clone(),
+                seed: job.seed,
+                first: Box::new(first),
+                second: Box::new(second),
+            })
+        }
         result => result,
     }
 }

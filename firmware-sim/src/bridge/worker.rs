@@ -1,8 +1,9 @@
 //! One simulator process: started, greeted, asked one thing at a time, and never left behind.
 
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use super::environment::Environment;
 use super::episode::{Episode, EpisodeJob};
@@ -16,6 +17,9 @@ use super::message::{self, FaultCode, MessageError, Shape, Step, kind};
 const PATIENCE: Duration = Duration::from_secs(120);
 /// What a step of a whole episode adds to that.
 const PATIENCE_PER_STEP: Duration = Duration::from_millis(500);
+
+/// How long a process may take to end after it closed its pipes.
+const WAIT_FOR_END: Duration = Duration::from_secs(1);
 
 const STARTING: &str = "start the simulator";
 
@@ -72,7 +76,7 @@ impl Worker {
             task: None,
             payload: Vec::new(),
         };
-        worker.greet()?;
+        worker.greet(environment)?;
         Ok(worker)
     }
 
@@ -182,7 +186,7 @@ impl Worker {
         )
     }
 
-    fn greet(&mut self) -> Result<(), BridgeError> {
+    fn greet(&mut self, environment: &Environment) -> Result<(), BridgeError> {
         // A worker that is gone already cannot be written to; what it sent before it went is worth more than that.
         let greeted = self.link.greet(PROTOCOL_VERSION);
         let actual = match self.link.receive_greeting(self.patience) {
@@ -192,15 +196,16 @@ impl Worker {
                     last_words: self.end(),
                 });
             }
-            Err(error) => return Err(self.failure(STARTING, error)),
+            Err(error) => return Err(self.failure(STARTING, self.patience, error)),
         };
         if actual != PROTOCOL_VERSION {
             return Err(BridgeError::ProtocolVersion {
                 expected: PROTOCOL_VERSION,
                 actual,
+                remedy: environment.remedy(),
             });
         }
-        greeted.map_err(|error| self.failure(STARTING, error))?;
+        greeted.map_err(|error| self.failure(STARTING, self.patience, error))?;
         match self.reply(
             STARTING,
             kind::READY,
@@ -216,6 +221,7 @@ impl Worker {
             }) => {
                 return Err(BridgeError::CannotStart {
                     message,
+                    remedy: environment.remedy(),
                     last_words: self.end(),
                 });
             }
@@ -235,7 +241,7 @@ impl Worker {
     ) -> Result<T, BridgeError> {
         self.sequence = self.sequence.wrapping_add(1);
         if let Err(error) = self.link.send(request, self.sequence, payload) {
-            return Err(self.failure(during, error));
+            return Err(self.failure(during, patience, error));
         }
         self.reply(
             during,
@@ -255,7 +261,7 @@ impl Worker {
         parse: impl FnOnce(&[u8]) -> Result<T, MessageError>,
     ) -> Result<T, BridgeError> {
         let nonsense = match self.link.receive(patience) {
-            Err(error) => return Err(self.failure(during, error)),
+            Err(error) => return Err(self.failure(during, patience, error)),
             Ok((header, _)) if header.sequence != sequence => Nonsense::Sequence {
                 expected: sequence,
                 actual: header.sequence,
@@ -289,21 +295,26 @@ impl Worker {
     }
 
     /// Turns a broken link into an error with the worker's last words; the worker is dead afterwards.
-    fn failure(&mut self, during: &'static str, error: LinkError) -> BridgeError {
-        let status = match (&error, self.child.try_wait()) {
-            (_, Ok(Some(status))) => status.to_string(),
-            _ => "it closed its pipes".to_owned(),
+    fn failure(
+        &mut self,
+        during: &'static str,
+        patience: Duration,
+        error: LinkError,
+    ) -> BridgeError {
+        let status = match error {
+            LinkError::Closed => self.own_end(),
+            _ => None,
         };
         let last_words = self.end();
         match error {
             LinkError::Closed => BridgeError::Died {
                 during,
-                status,
+                status: status.map_or("it closed its pipes".to_owned(), |s| s.to_string()),
                 last_words,
             },
             LinkError::Silent => BridgeError::Silent {
                 during,
-                seconds: self.patience.as_secs(),
+                seconds: patience.as_secs(),
                 last_words,
             },
             LinkError::Frame(source) => BridgeError::Garbled {
@@ -312,6 +323,17 @@ impl Worker {
                 last_words,
             },
             LinkError::Interrupted => BridgeError::Interrupted,
+        }
+    }
+
+    /// How the process ended by itself, if it does: its pipes close a little before it can be reaped.
+    fn own_end(&mut self) -> Option<ExitStatus> {
+        let deadline = Instant::now() + WAIT_FOR_END;
+        loop {
+            match self.child.try_wait() {
+                Ok(None) if Instant::now() < deadline => thread::sleep(Duration::from_millis(5)),
+                status => return status.ok().flatten(),
+            }
         }
     }
 

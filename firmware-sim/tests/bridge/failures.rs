@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use firmware_sim::bridge::{BridgeError, Environment, Worker};
+use firmware_sim::bridge::{BridgeError, Environment, EpisodeJob, Worker};
 use firmware_sim::exit::ExitCode;
 
 use crate::fake::{Fake, environment, job};
@@ -62,7 +62,8 @@ fn a_worker_of_another_protocol_version_is_refused_with_both_versions() {
         error,
         BridgeError::ProtocolVersion {
             expected: 1,
-            actual: 2
+            actual: 2,
+            ..
         }
     ));
     assert!(fake.all_ended());
@@ -89,12 +90,19 @@ fn a_worker_without_its_simulator_says_which_module_is_missing() {
     let error = worker.expect_err("there is no simulator");
     assert!(matches!(error, BridgeError::CannotStart { .. }));
     assert!(error.to_string().contains("mujoco"), "{error}");
+    assert!(
+        !error.to_string().contains("delete"),
+        "only an environment of our own may be deleted: {error}"
+    );
 }
 
 #[test]
 fn a_worker_that_dies_in_mid_episode_leaves_its_last_words() {
     let error = collect("dies always");
-    assert!(matches!(error, BridgeError::Died { .. }));
+    assert!(
+        matches!(&error, BridgeError::Died { status, .. } if status == "signal: 9 (SIGKILL)"),
+        "{error}"
+    );
     assert!(
         error.to_string().contains("the simulator exploded"),
         "{error}"
@@ -138,6 +146,19 @@ fn a_worker_that_gives_no_answer_is_stopped() {
         Err(BridgeError::Silent { seconds: 1, .. })
     ));
     assert!(fake.all_ended());
+}
+
+#[test]
+fn a_worker_that_gives_no_episode_is_told_to_have_had_the_time_of_one() {
+    let fake = Fake::new("hangs");
+    let mut worker = Worker::spawn_patiently(&fake.environment(), Duration::from_secs(1))
+        .expect("the worker starts");
+    // Half a second for each of two steps, on top.
+    let short = EpisodeJob { steps: 2, ..job(1) };
+    assert!(matches!(
+        worker.collect(&short),
+        Err(BridgeError::Silent { seconds: 2, .. })
+    ));
 }
 
 #[test]

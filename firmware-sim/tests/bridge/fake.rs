@@ -2,9 +2,11 @@
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use firmware_sim::bridge::environment::interpreter;
 use firmware_sim::bridge::{Behaviour, Environment, EpisodeJob};
 use tempfile::TempDir;
 
@@ -30,7 +32,16 @@ impl Fake {
 
     /// How many workers were started.
     pub fn starts(&self) -> usize {
-        fs::read_to_string(self.path().join("starts")).map_or(0, |starts| starts.lines().count())
+        self.lines("starts")
+    }
+
+    /// How many workers are in the middle of an episode that never ends.
+    pub fn busy(&self) -> usize {
+        self.lines("busy")
+    }
+
+    fn lines(&self, file: &str) -> usize {
+        fs::read_to_string(self.path().join(file)).map_or(0, |lines| lines.lines().count())
     }
 
     /// Whether all workers end within a few seconds.
@@ -49,8 +60,13 @@ pub fn environment(folder: &Path) -> Environment {
     Environment::custom(&python(), &bridge().join("fake_worker.py"), folder)
 }
 
+/// The interpreter that the bridge itself would choose.
 pub fn python() -> PathBuf {
-    std::env::var_os("TED_PYTHON").map_or_else(|| "python3".into(), PathBuf::from)
+    static PYTHON: LazyLock<PathBuf> = LazyLock::new(|| match interpreter() {
+        Ok(interpreter) => interpreter.path,
+        Err(error) => panic!("failed to {error}"),
+    });
+    PYTHON.clone()
 }
 
 pub fn bridge() -> PathBuf {

@@ -1,13 +1,14 @@
 //! Nothing is left running, however the parent ends: a process of its own plays the parent, and is then treated badly.
 
 use std::env;
+use std::fs;
 use std::io::Read;
 use std::ops::ControlFlow;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 
-use firmware_sim::bridge::{BridgeError, Pool, Worker};
+use firmware_sim::bridge::{BridgeError, Environment, Pool, Worker, speed};
 use firmware_sim::exit::ExitCode;
 use firmware_sim::interrupt;
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -18,6 +19,17 @@ use crate::fake::{Fake, environment, job, within_seconds};
 const FOLDER: &str = "TED_TEST_FAKE_FOLDER";
 /// What that process does.
 const PART: &str = "TED_TEST_PART";
+
+/// A measurement that never ends, in the manner of `fake_worker.py`.
+const ENDLESS_SPEED: &str = r#"
+import fcntl
+alive = open("alive", "w")
+fcntl.flock(alive, fcntl.LOCK_SH)
+with open("busy", "a") as busy:
+    print("measuring", file=busy)
+while True:
+    pass
+"#;
 
 /// Not a test of its own: the process that the tests below start runs this and nothing else.
 #[test]
@@ -31,6 +43,20 @@ fn plays_the_parent_when_a_test_asks_for_it() {
             interrupt::install().expect("signals can be taken over");
             let jobs: Vec<_> = (0..4).map(job).collect();
             let result = Pool::new(&environment, 2).run(&jobs, |_, _| ControlFlow::Continue(()));
+            assert!(
+                matches!(result, Err(BridgeError::Interrupted)),
+                "{result:?}"
+            );
+            ExitCode::Interrupted.exit();
+        }
+        "measures" => {
+            interrupt::install().expect("signals can be taken over");
+            // It lies beside the worker.
+            let folder = environment.scratch();
+            fs::write(folder.join("speed.py"), ENDLESS_SPEED).expect("the script is written");
+            let environment =
+                Environment::custom(environment.python(), &folder.join("worker.py"), folder);
+            let result = speed::measure(&environment, "fake-v3", 1);
             assert!(
                 matches!(result, Err(BridgeError::Interrupted)),
                 "{result:?}"
@@ -63,11 +89,16 @@ fn parent(fake: &Fake, part: &str) -> Child {
 
 /// Starts a parent whose two workers compute for ever, does something to it, and waits for its end.
 fn collecting(harm: impl FnOnce(&mut Child)) -> (Fake, ExitStatus) {
+    busy("collects", 2, harm)
+}
+
+/// Starts a parent whose processes compute for ever, does something to it, and waits for its end.
+fn busy(part: &str, processes: usize, harm: impl FnOnce(&mut Child)) -> (Fake, ExitStatus) {
     let fake = Fake::new("computes for ever");
-    let mut parent = parent(&fake, "collects");
+    let mut parent = parent(&fake, part);
     assert!(
-        within_seconds(60, || fake.starts() == 2),
-        "the workers start"
+        within_seconds(60, || fake.busy() == processes),
+        "the processes are in mid-episode"
     );
     harm(&mut parent);
     let status = parent.wait().expect("the parent ends");
@@ -96,6 +127,13 @@ fn ctrl_c_stops_the_parent_cleanly_and_leaves_no_worker() {
 #[test]
 fn sigterm_does_the_same() {
     let (fake, status) = collecting(|parent| signal_group(parent, Signal::TERM));
+    assert_eq!(status.code(), Some(i32::from(ExitCode::Interrupted.code())));
+    assert!(fake.all_ended());
+}
+
+#[test]
+fn ctrl_c_stops_a_measurement_inside_python_cleanly() {
+    let (fake, status) = busy("measures", 1, |parent| signal_group(parent, Signal::INT));
     assert_eq!(status.code(), Some(i32::from(ExitCode::Interrupted.code())));
     assert!(fake.all_ended());
 }

@@ -74,6 +74,19 @@ fn an_episode_that_kills_two_workers_is_an_error_with_their_last_words() {
 }
 
 #[test]
+fn a_second_worker_that_does_not_start_does_not_hide_how_the_first_one_died() {
+    let fake = Fake::new("dies once and never starts again");
+    let error = play(&mut Pool::new(&fake.environment(), 1), &jobs(3)).expect_err("it is over");
+    let words = error.to_string();
+    assert!(
+        matches!(&error, BridgeError::FailedTwice { second, .. }
+            if matches!(**second, BridgeError::CannotStart { .. })),
+        "{words}"
+    );
+    assert!(words.contains("the simulator exploded"), "{words}");
+}
+
+#[test]
 fn a_refusal_is_not_tried_again() {
     let fake = Fake::new("refuses");
     let error = play(&mut Pool::new(&fake.environment(), 1), &jobs(3)).expect_err("it refuses");

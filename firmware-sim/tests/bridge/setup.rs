@@ -1,13 +1,17 @@
 //! Setting up the environment when it cannot work: named errors, and nothing of anyone else's is touched.
 
 use std::env;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use firmware_sim::bridge::environment::{PYTHON_VARIABLE, VENV_VARIABLE, diagnose, ensure};
+use firmware_sim::bridge::Worker;
+use firmware_sim::bridge::environment::{
+    PYTHON_VARIABLE, VENV_VARIABLE, diagnose, ensure, location,
+};
 use firmware_sim::progress::Audience;
 
 use crate::fake::{bridge, python};
@@ -27,6 +31,15 @@ fn sets_up_when_a_test_asks_for_it() {
             let environment = ensure(Audience::Log).expect("another process has installed it");
             assert!(environment.worker().exists());
         }
+        Ok("locate") => {
+            let place = location().expect("it is named");
+            eprintln!("place: {}", place.display());
+        }
+        Ok("start") => {
+            let environment = ensure(Audience::Nobody).expect("it looks complete");
+            let error = Worker::spawn(&environment).expect_err("it is broken");
+            eprintln!("failed to {error}");
+        }
         Ok("diagnose") => {
             for check in diagnose() {
                 eprintln!("{}: {:?}", check.name, check.outcome);
@@ -36,7 +49,7 @@ fn sets_up_when_a_test_asks_for_it() {
     }
 }
 
-fn run(part: &str, venv: &Path, python: &str) -> (Option<i32>, String) {
+fn run(part: &str, venv: &Path, python: impl AsRef<OsStr>) -> (Option<i32>, String) {
     let output = command(part, venv, python)
         .output()
         .expect("the process runs");
@@ -46,7 +59,7 @@ fn run(part: &str, venv: &Path, python: &str) -> (Option<i32>, String) {
     )
 }
 
-fn command(part: &str, venv: &Path, python: &str) -> Command {
+fn command(part: &str, venv: &Path, python: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(env::current_exe().expect("this program"));
     command
         .args([
@@ -66,6 +79,12 @@ fn command(part: &str, venv: &Path, python: &str) -> Command {
     command
 }
 
+/// Makes an environment look as complete as another one.
+fn stamp(from: &Path, to: &Path) {
+    let name = "ted-environment";
+    fs::copy(from.join(name), to.join(name)).expect("it is copied");
+}
+
 #[test]
 fn without_python_the_message_says_what_to_install_or_to_set() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -82,7 +101,7 @@ fn without_a_network_the_message_says_so_and_the_next_try_starts_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let venv = folder.path().join("venv");
     for _ in 0..2 {
-        let (code, words) = run("ensure", &venv, "python3");
+        let (code, words) = run("ensure", &venv, python());
         assert_eq!(code, Some(4), "{words}");
         assert!(words.contains("registry cannot be reached"), "{words}");
     }
@@ -91,12 +110,65 @@ fn without_a_network_the_message_says_so_and_the_next_try_starts_again() {
 #[test]
 fn a_folder_with_something_else_in_it_is_left_alone() {
     let folder = tempfile::tempdir().expect("a folder");
-    let thesis = folder.path().join("thesis.tex");
-    fs::write(&thesis, "years of work").expect("it is written");
-    let (code, words) = run("ensure", folder.path(), "python3");
+    let venv = folder.path().join("poetry.env");
+    fs::create_dir(&venv).expect("a folder");
+    let others = [
+        venv.join("thesis.tex"),
+        folder.path().join("poetry.lock"),
+        folder.path().join("poetry.env.ted-lock"),
+    ];
+    for other in &others {
+        fs::write(other, "years of work").expect("it is written");
+    }
+    let (code, words) = run("ensure", &venv, python());
     assert_eq!(code, Some(4));
     assert!(words.contains("there is something else"), "{words}");
-    assert!(thesis.exists());
+    for other in &others {
+        let text = fs::read_to_string(other).expect("it is still there");
+        assert_eq!(text, "years of work", "{}", other.display());
+    }
+}
+
+#[test]
+fn a_place_named_from_the_current_folder_is_absolute_because_workers_run_elsewhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = command("locate", Path::new("venvs/ted"), python())
+        .current_dir(folder.path())
+        .output()
+        .expect("the process runs");
+    let words = String::from_utf8_lossy(&output.stderr);
+    let place = folder
+        .path()
+        .canonicalize()
+        .expect("it is there")
+        .join("venvs/ted");
+    assert!(
+        words.contains(&format!("place: {}\n", place.display())),
+        "{words}"
+    );
+}
+
+#[test]
+fn an_environment_broken_after_its_installation_is_named_to_be_deleted() {
+    let made = ensure(Audience::Log).expect("an environment to copy from");
+    let folder = tempfile::tempdir().expect("a folder");
+    let venv = folder.path().join("venv");
+    // Another Python than the packages were installed for: none of them is found.
+    let made_with = Command::new(python())
+        .args(["-Es", "-m", "venv", "--without-pip"])
+        .arg(&venv)
+        .status()
+        .expect("python starts");
+    assert!(made_with.success());
+    stamp(made.scratch(), &venv);
+    let way_out = format!("delete the folder {}", venv.display());
+    for part in ["start", "diagnose"] {
+        let (_, words) = run(part, &venv, python());
+        assert!(
+            words.contains("ModuleNotFoundError") && words.contains(&way_out),
+            "{words}"
+        );
+    }
 }
 
 #[test]
@@ -104,7 +176,7 @@ fn a_folder_that_cannot_be_written_is_a_storage_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("file");
     fs::write(&file, "").expect("it is written");
-    let (code, words) = run("ensure", &file.join("venv"), "python3");
+    let (code, words) = run("ensure", &file.join("venv"), python());
     assert_eq!(code, Some(6), "{words}");
 }
 
@@ -117,8 +189,14 @@ fn the_doctor_names_what_is_missing_and_installs_nothing() {
         words.contains("python: Err") && words.contains("not installed yet"),
         "{words}"
     );
-    let (_, words) = run("diagnose", &venv, "python3");
+    // Neither a pip that is missing nor one that is forbidden keeps the doctor from asking.
+    let output = command("diagnose", &venv, python())
+        .env("PIP_REQUIRE_VIRTUALENV", "1")
+        .output()
+        .expect("the process runs");
+    let words = String::from_utf8_lossy(&output.stderr);
     assert!(words.contains("package registry: Err"), "{words}");
+    assert!(words.contains("cannot be reached"), "{words}");
     assert!(!venv.exists());
 }
 
@@ -127,10 +205,10 @@ fn a_second_installer_waits_for_the_first_and_uses_what_it_made() {
     let made = ensure(Audience::Log).expect("an environment to copy from");
     let folder = tempfile::tempdir().expect("a folder");
     let venv = folder.path().join("venv");
-    let lock = File::create(venv.with_extension("lock")).expect("the lock file");
+    let lock = File::create(folder.path().join("venv.ted-lock")).expect("the lock file");
     lock.lock().expect("nobody else has it");
 
-    let mut second = command("wait", &venv, "python3")
+    let mut second = command("wait", &venv, python())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
@@ -143,11 +221,35 @@ fn a_second_installer_waits_for_the_first_and_uses_what_it_made() {
     let bin = venv.join("bin");
     fs::create_dir_all(&bin).expect("a folder");
     fs::write(bin.join("python"), "").expect("it is written");
-    let stamp = "ted-environment";
-    fs::copy(made.scratch().join(stamp), venv.join(stamp)).expect("it is copied");
+    stamp(made.scratch(), &venv);
     drop(lock);
     let rest: Vec<_> = words.collect();
     assert!(second.wait().expect("it ends").success(), "{rest:?}");
+}
+
+#[test]
+fn a_step_that_fails_in_a_process_of_its_own_leaves_that_one_s_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let venv = folder.path().join("venv");
+    // Stands in for ensurepip: `venv` runs it in the new environment's interpreter and keeps what it says.
+    let broken = "import subprocess, sys, venv; sys.path.insert(0, sys.argv.pop(1)); import install; \
+        venv.EnvBuilder._setup_pip = lambda self, context: subprocess.check_output( \
+            [context.env_exe, '-c', 'print(\"no wheels here\"); raise SystemExit(1)']); \
+        install.main(*sys.argv[1:])";
+    let mut step = Command::new(python())
+        .args(["-Es", "-c", broken])
+        .arg(bridge())
+        .args(["venv".as_ref(), venv.as_os_str()])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .process_group(0)
+        .spawn()
+        .expect("it starts");
+    let _alive = step.stdin.take();
+    let output = step.wait_with_output().expect("it ends");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.contains("no wheels here"), "{words}");
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! What `ted doctor` tells about the Python side, without installing anything.
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::error::SetupError;
 use super::stamp::Stamp;
-use super::{Environment, is_ready, location, python, sources};
+use super::{Environment, is_ready, location, python, python_of, sources};
 use crate::bridge::Worker;
 
 /// One thing that was looked at.
@@ -74,57 +75,73 @@ fn tell<T: ToString>(result: Result<&T, &SetupError>) -> Result<String, String> 
     result.map(T::to_string).map_err(ToString::to_string)
 }
 
-fn simulator(venv: &std::path::Path) -> Result<String, String> {
-    let environment = Environment::installed(venv).map_err(|error| error.to_string())?;
-    let worker = Worker::spawn(&environment).map_err(|error| error.to_string())?;
+fn simulator(venv: &Path) -> Result<String, String> {
+    let bridge = sources::folder(venv);
+    if !bridge.is_dir() {
+        return Ok(
+            "not tried: the first command that needs it writes this version's worker files"
+                .to_owned(),
+        );
+    }
+    let worker =
+        Worker::spawn(&Environment::installed(venv, &bridge)).map_err(|error| error.to_string())?;
     Ok(worker.versions().to_owned())
 }
 
-/// Asks for one small package with the person's own pip and its settings, which is the only way to know.
+/// Asks for one small package with pip and the person's settings, which is the only way to know.
+///
+/// The pip is that of a throw-away environment, as the installation's is: an interpreter may have none of its own, or the
+/// person's settings may forbid its use.
 fn registry(interpreter: &python::Interpreter) -> Result<String, String> {
-    let nowhere = std::env::temp_dir().join(format!("ted-doctor-{}", std::process::id()));
-    let output = Command::new(&interpreter.path)
-        .args([
-            "-Es",
-            "-m",
-            "pip",
-            "download",
-            "--no-deps",
-            "--only-binary",
-            ":all:",
-            "--disable-pip-version-check",
-        ])
-        .args([
-            "--no-cache-dir",
-            "--retries",
-            "0",
-            "--timeout",
-            "10",
-            "--dest",
-        ])
-        .arg(&nowhere)
-        .arg(sources::SMALL_PACKAGE)
-        .stdin(Stdio::null())
-        .output();
+    let throw_away = std::env::temp_dir().join(format!("ted-doctor-{}", std::process::id()));
+    let asked = ask_registry(&interpreter.path, &throw_away);
     // It may not have been made; what matters is that nothing stays.
-    std::fs::remove_dir_all(&nowhere).ok();
-    let output = output.map_err(|error| error.to_string())?;
-    let text = String::from_utf8_lossy(&output.stderr);
-    let lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    if output.status.success() {
-        Ok("reachable".to_owned())
-    } else if lines
-        .iter()
-        .any(|line| line.contains("No module named pip"))
-    {
-        Ok(format!(
-            "cannot tell: {} has no pip of its own",
-            interpreter.path.display()
-        ))
-    } else {
-        Err(
-            SetupError::of_step("ask the package registry", std::path::Path::new(""), &lines)
-                .to_string(),
-        )
-    }
+    std::fs::remove_dir_all(&throw_away).ok();
+    asked
+        .map(|()| "reachable".to_owned())
+        .map_err(|error| error.to_string())
+}
+
+fn ask_registry(python: &Path, throw_away: &Path) -> Result<(), SetupError> {
+    let step = |step, python: &Path, arguments: &[&str]| {
+        let output = Command::new(python)
+            .args(["-Es", "-m"])
+            .args(arguments)
+            .arg(throw_away)
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|error| SetupError::Failed {
+                step,
+                words: error.to_string(),
+            })?;
+        let text = String::from_utf8_lossy(&output.stderr);
+        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        if output.status.success() {
+            Ok(())
+        } else {
+            Err(SetupError::of_step(step, throw_away, &lines))
+        }
+    };
+    step("create a virtual environment", python, &["venv"])?;
+    let options = [
+        "--no-deps",
+        "--only-binary",
+        ":all:",
+        "--disable-pip-version-check",
+        "--no-cache-dir",
+    ];
+    // pip names a network that fails only when it tries again.
+    let patience = ["--retries", "1", "--timeout", "10"];
+    let download = [
+        &["pip", "download"],
+        &options[..],
+        &patience,
+        &[sources::SMALL_PACKAGE, "--dest"],
+    ]
+    .concat();
+    step(
+        "ask the package registry",
+        &python_of(throw_away),
+        &download,
+    )
 }

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::python::{NEWEST, OLDEST};
 use super::{PYTHON_VARIABLE, VENV_VARIABLE};
+use crate::disk::WriteError;
 use crate::exit::ExitCode;
 
 /// Why the environment could not be set up.
@@ -86,6 +87,9 @@ pub enum SetupError {
         /// What the operating system said.
         source: io::Error,
     },
+    /// The worker's files could not be written.
+    #[error("write the simulator's files: {0}; or name another place with {VENV_VARIABLE}")]
+    Write(#[from] WriteError),
     /// The package registry cannot be reached.
     #[error(
         "download the simulator: the package registry cannot be reached; check the network and pip's proxy settings, then run this again:\n{words}"
@@ -145,7 +149,14 @@ impl SetupError {
                 .any(|line| patterns.iter().any(|pattern| line.contains(pattern)))
         };
         let words = output[output.len().saturating_sub(12)..].join("\n");
-        if said(&["No space left on device", "Disk quota exceeded"]) {
+        // The words are in the person's language; the numbers are ENOSPC, and EDQUOT of Linux and of macOS.
+        if said(&[
+            "No space left on device",
+            "Disk quota exceeded",
+            "[Errno 28]",
+            "[Errno 122]",
+            "[Errno 69]",
+        ]) {
             Self::DiskFull {
                 path: venv.to_owned(),
             }
@@ -173,7 +184,7 @@ impl SetupError {
     #[must_use]
     pub const fn exit_code(&self) -> ExitCode {
         match self {
-            Self::DiskFull { .. } | Self::Storage { .. } => ExitCode::Storage,
+            Self::DiskFull { .. } | Self::Storage { .. } | Self::Write(_) => ExitCode::Storage,
             Self::Interrupted => ExitCode::Interrupted,
             _ => ExitCode::Environment,
         }
@@ -199,6 +210,12 @@ mod tests {
         assert!(matches!(of(network), SetupError::Network { .. }));
         assert!(matches!(
             of("OSError: [Errno 28] No space left on device"),
+            SetupError::DiskFull { .. }
+        ));
+        assert!(matches!(
+            of(
+                "ERROR: Could not install packages due to an OSError: [Errno 28] Auf dem Gerät ist kein Speicherplatz mehr verfügbar"
+            ),
             SetupError::DiskFull { .. }
         ));
         let hash = "ERROR: THESE PACKAGES DO NOT MATCH THE HASHES FROM THE REQUIREMENTS FILE.";

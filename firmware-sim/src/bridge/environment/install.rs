@@ -1,13 +1,15 @@
 //! Installs the environment, once, whoever else tries at the same time and however often it was killed before.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
+
+use rustix::process::{Pid, Signal, kill_process_group};
 
 use super::error::SetupError;
 use super::stamp::Stamp;
@@ -72,12 +74,17 @@ pub(super) fn install(venv: &Path, audience: Audience) -> Result<(), SetupError>
 
 /// Holds off other installers until it is dropped, or this process ends in any way.
 fn lock(venv: &Path, audience: Audience) -> Result<File, SetupError> {
-    let path = venv.with_extension("lock");
+    // The whole name, not another extension: `poetry.env` may have a `poetry.lock` beside it.
+    let mut name = venv.file_name().unwrap_or_default().to_owned();
+    name.push(".ted-lock");
+    let path = venv.with_file_name(name);
     let storage = |source| SetupError::storage("lock", &path, source);
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent).map_err(storage)?;
     }
-    let file = File::create(&path).map_err(storage)?;
+    // Without truncating, whatever the file is.
+    let file = File::options().create(true).append(true).open(&path);
+    let file = file.map_err(storage)?;
     let mut told = false;
     loop {
         match file.try_lock() {
@@ -104,8 +111,15 @@ fn clear(venv: &Path) -> Result<(), SetupError> {
         Stamp::Foreign => Err(SetupError::NotOurs {
             path: venv.to_owned(),
         }),
-        Stamp::Unfinished | Stamp::Ready(_) => fs::remove_dir_all(venv)
-            .map_err(|source| SetupError::storage("remove an old environment from", venv, source)),
+        Stamp::Unfinished | Stamp::Ready(_) => {
+            // Without its interpreter it is not ready, whatever the stamp says until the new one is written.
+            match fs::remove_file(python_of(venv)) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+                removed => removed,
+            }
+            .and_then(|()| Stamp::remove_the_rest(venv))
+            .map_err(|source| SetupError::storage("remove an old environment from", venv, source))
+        }
     }
 }
 
@@ -145,7 +159,13 @@ fn run(
             break;
         }
     }
-    // Closing its standard input ends the whole group; after a normal end it does nothing.
+    if interrupt::requested()
+        && let Some(group) = Pid::from_raw(child.id().cast_signed())
+    {
+        // It fails only for a group that is gone already.
+        kill_process_group(group, Signal::KILL).ok();
+    }
+    // Closing its standard input ends what is left of the group; after a normal end it does nothing.
     drop(alive);
     let status = child.wait().map_err(|error| failed(error.to_string()))?;
     if interrupt::requested() {

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 pub use checks::{Check, diagnose};
 pub use error::SetupError;
-pub use python::Interpreter;
+pub use python::{Interpreter, find as interpreter};
 
 use crate::progress::Audience;
 use stamp::Stamp;
@@ -32,6 +32,8 @@ pub struct Environment {
     python: PathBuf,
     worker: PathBuf,
     scratch: PathBuf,
+    /// Whether this program installed it, in the folder `scratch`.
+    ours: bool,
 }
 
 impl Environment {
@@ -42,6 +44,7 @@ impl Environment {
             python: python.to_owned(),
             worker: worker.to_owned(),
             scratch: scratch.to_owned(),
+            ours: false,
         }
     }
 
@@ -63,13 +66,25 @@ impl Environment {
         &self.scratch
     }
 
-    fn installed(venv: &Path) -> Result<Self, SetupError> {
-        let bridge = sources::write(venv)?;
-        Ok(Self::custom(
-            &python_of(venv),
-            &bridge.join(sources::WORKER),
-            venv,
-        ))
+    /// What helps when the worker does not even start: an environment of ours can be broken after its installation, by an
+    /// upgrade of its Python for instance, and its stamp cannot tell.
+    pub(super) fn remedy(&self) -> String {
+        if self.ours {
+            let place = self.scratch.display();
+            format!(
+                "delete the folder {place} and run this again, which installs the simulator anew"
+            )
+        } else {
+            format!("check {}", self.worker.display())
+        }
+    }
+
+    /// The environment in this folder with the worker's files in that one.
+    fn installed(venv: &Path, bridge: &Path) -> Self {
+        Self {
+            ours: true,
+            ..Self::custom(&python_of(venv), &bridge.join(sources::WORKER), venv)
+        }
     }
 }
 
@@ -84,16 +99,17 @@ pub fn ensure(audience: Audience) -> Result<Environment, SetupError> {
     if !is_ready(&venv) {
         install::install(&venv, audience)?;
     }
-    Environment::installed(&venv)
+    Ok(Environment::installed(&venv, &sources::write(&venv)?))
 }
 
-/// Where the virtual environment is or would be.
+/// Where the virtual environment is or would be, as an absolute path: workers run in another folder than this process.
 ///
 /// # Errors
 /// When there is neither a home folder nor a variable that names the place.
 pub fn location() -> Result<PathBuf, SetupError> {
     if let Some(named) = set(VENV_VARIABLE) {
-        return Ok(named);
+        return std::path::absolute(&named)
+            .map_err(|source| SetupError::storage("find", &named, source));
     }
     let cache = match (set("XDG_CACHE_HOME"), set("HOME")) {
         (Some(cache), _) if cache.is_absolute() => cache,

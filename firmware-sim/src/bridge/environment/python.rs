@@ -55,7 +55,7 @@ impl fmt::Display for Interpreter {
 ///
 /// # Errors
 /// That of the named one, or of the plain `python3`, if none will do.
-pub(super) fn find() -> Result<Interpreter, SetupError> {
+pub fn find() -> Result<Interpreter, SetupError> {
     if let Some(named) = set(PYTHON_VARIABLE) {
         return probe(&named);
     }

@@ -1,11 +1,12 @@
 //! The worker's Python files and its locked requirements, carried inside this program so that it works from anywhere.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::process;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::SetupError;
+use crate::disk::{self, Disk, WriteError};
 
 /// The script that a worker process runs.
 pub(super) const WORKER: &str = "worker.py";
@@ -62,27 +63,36 @@ pub(super) fn locked_packages() -> u64 {
 ///
 /// A program of another version finds its own files untouched, and a reader never sees half of them.
 pub(super) fn write(venv: &Path) -> Result<PathBuf, SetupError> {
-    let digest = digest(FILES.iter());
-    let folder = venv.join(format!("bridge-{}", &digest[..16]));
+    /// Tells the threads of this process apart.
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let folder = folder(venv);
     if folder.is_dir() {
         return Ok(folder);
     }
-    let beside = venv.join(format!("bridge-{}.{}", &digest[..16], process::id()));
-    write_new(&beside)
-        .and_then(|()| match fs::rename(&beside, &folder) {
-            // Another process was faster, with the same files.
-            Err(_) if folder.is_dir() => fs::remove_dir_all(&beside),
-            renamed => renamed,
-        })
-        .map_err(|source| SetupError::storage("write the simulator's files to", &folder, source))?;
+    let writer = (process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
+    let beside = folder.with_extension(format!("{}-{}", writer.0, writer.1));
+    if let Err(error) = write_new(&beside).and_then(|()| disk::rename(&beside, &folder)) {
+        // What was begun would keep space. It may be gone already, or never have come to exist.
+        fs::remove_dir_all(&beside).ok();
+        // If the folder is there, somebody else was faster, with the same files.
+        if !folder.is_dir() {
+            return Err(error.into());
+        }
+    }
     Ok(folder)
 }
 
-fn write_new(folder: &Path) -> io::Result<()> {
-    fs::create_dir_all(folder)?;
-    FILES
-        .iter()
-        .try_for_each(|(name, text)| fs::write(folder.join(name), text))
+/// Where the files are once they are written.
+pub(super) fn folder(venv: &Path) -> PathBuf {
+    venv.join(format!("bridge-{}", &digest(FILES.iter())[..16]))
+}
+
+fn write_new(folder: &Path) -> Result<(), WriteError> {
+    disk::create_folder(folder)?;
+    for (name, text) in FILES {
+        Disk::REAL.write(&folder.join(name), text.as_bytes())?;
+    }
+    disk::sync_folder(folder)
 }
 
 fn digest<'a>(files: impl Iterator<Item = &'a (&'a str, &'a str)>) -> String {
@@ -122,6 +132,25 @@ mod tests {
         let first = write(venv.path())?;
         assert_eq!(write(venv.path())?, first);
         assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[11].1);
+        assert_eq!(fs::read_dir(venv.path())?.count(), 1);
+        Ok(())
+    }
+
+    #[test]
+    fn threads_that_write_at_once_all_find_whole_files() -> Result<(), Box<dyn std::error::Error>> {
+        let venv = tempfile::tempdir()?;
+        std::thread::scope(|scope| {
+            let writers: Vec<_> = (0..8).map(|_| scope.spawn(|| write(venv.path()))).collect();
+            for writer in writers {
+                let folder = writer.join().expect("no panic").expect("it is written");
+                for (name, text) in FILES {
+                    assert_eq!(
+                        fs::read_to_string(folder.join(name)).ok().as_deref(),
+                        Some(text)
+                    );
+                }
+            }
+        });
         assert_eq!(fs::read_dir(venv.path())?.count(), 1);
         Ok(())
     }
