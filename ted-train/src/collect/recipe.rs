@@ -2,6 +2,7 @@
 
 use super::CollectError;
 use crate::dataset::minari::Behaviour;
+use firmware_sim::bridge;
 use std::fmt;
 use std::str::FromStr;
 
@@ -15,8 +16,6 @@ pub enum Recipe {
     Expert,
 }
 
-const NOISE_STD: f64 = 0.8;
-const EPSILON: f64 = 0.8;
 /// One episode in this many is of the paper's noisy part.
 const NOISY_ONE_IN: u32 = 20;
 
@@ -36,15 +35,17 @@ impl Recipe {
     /// What makes the actions of `episode` in a dataset of `total`.
     #[must_use]
     pub fn behaviour(self, episode: u32, total: u32) -> Behaviour {
-        let (part, noise_std, epsilon) = match self {
-            Self::Paper if episode < noisy_episodes(total) => ("noisy", NOISE_STD, 0.0),
-            Self::Paper => ("epsilon", NOISE_STD, EPSILON),
-            Self::Expert => ("expert", 0.0, 0.0),
+        let (part, played) = match self {
+            Self::Paper if episode < noisy_episodes(total) => {
+                ("noisy", bridge::Behaviour::PAPER_NOISY)
+            }
+            Self::Paper => ("epsilon", bridge::Behaviour::PAPER_EPSILON),
+            Self::Expert => ("expert", bridge::Behaviour::EXPERT),
         };
         Behaviour {
             part: part.into(),
-            noise_std,
-            epsilon,
+            noise_std: played.noise_std,
+            epsilon: played.epsilon,
         }
     }
 }

@@ -57,7 +57,8 @@ impl Dataset {
         &self.id
     }
 
-    /// BLAKE3 of all arrays in canonical order, in hexadecimal: two datasets with this in common hold the same data.
+    /// BLAKE3 of observations, actions, rewards and all flags in canonical order, in hexadecimal: two datasets with this in
+    /// common are the same to whoever learns from them. Other infos, such as the simulator's state, may differ.
     #[must_use]
     pub fn digest(&self) -> &str {
         &self.digest
