@@ -111,8 +111,15 @@ fn episode_metadata(data: &Path, total: u32) -> Result<Vec<EpisodeMetadata>, Dat
         }
         Ok(metadata)
     };
+    // An episode is an entry of the folder. Of one more than there are entries one is missing, so a total that is a lie is
+    // found without exhausting memory.
+    let entries = fs::read_dir(data).map_err(|source| DatasetError::Read {
+        path: data.to_path_buf(),
+        source,
+    })?;
+    let enough = u32::try_from(entries.count() + 1).unwrap_or(u32::MAX);
     // Collected first and judged in order, so that the error named is always the first.
-    let all: Vec<_> = (0..total).into_par_iter().map(read).collect();
+    let all: Vec<_> = (0..total.min(enough)).into_par_iter().map(read).collect();
     all.into_iter().collect()
 }
 

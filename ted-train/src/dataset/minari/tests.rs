@@ -321,6 +321,11 @@ fn metadata_that_does_not_fit_is_named() {
         with(&|value| value["total_episodes"] = 5.into()).starts_with("episode 4 of 5 is missing")
     );
     assert!(
+        with(&|value| value["total_episodes"] = 4_000_000_000_u32.into())
+            .starts_with("episode 4 of 4000000000 is missing"),
+        "told from the number of files, without a list of four thousand million"
+    );
+    assert!(
         with(&|value| value["total_episodes"] = (-1).into())
             .contains("is not valid Minari metadata")
     );
