@@ -1,8 +1,14 @@
 //! Datasets against the real `minari` package: what we write it opens, what it writes we read, and every array is compared.
 //!
-//! The package is installed at pinned versions into a virtual environment of its own, once, under the target folder;
-//! `TED_MINARI_VENV` names another place for it.
+//! The package is installed at locked versions into a virtual environment of its own, once, under the target folder;
+//! `TED_MINARI_VENV` names another place for it. In `minari/`, `requirements.lock` is made from `requirements.in` by
+//!
+//! ```sh
+//! uv pip compile --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+//!     --only-binary :all: --no-header -o requirements.lock requirements.in
+//! ```
 
+use firmware_sim::bridge::environment::interpreter;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -248,24 +254,46 @@ fn python() -> &'static Path {
             PathBuf::from,
         );
         let python = venv.join("bin/python");
-        let requirements = Path::new(FOLDER).join("requirements.txt");
+        let requirements = Path::new(FOLDER).join("requirements.lock");
         let wanted = fs::read(&requirements).unwrap();
         let stamp = venv.join("ted-minari");
+        // Held by one test process at a time, and released however it ends.
+        fs::create_dir_all(venv.parent().unwrap()).unwrap();
+        let lock = fs::File::create(venv.with_file_name("ted-minari.lock")).unwrap();
+        lock.lock().unwrap();
         if fs::read(&stamp).ok().as_ref() != Some(&wanted) {
+            // The interpreter that the bridge would choose: the packages are built for the same ones.
+            let system = interpreter().unwrap_or_else(|error| panic!("failed to {error}"));
+            assert!(
+                system.version >= (3, 11),
+                "Minari {MINARI_VERSION} needs Python 3.11: name one with TED_PYTHON"
+            );
             succeed(
-                Command::new("python3")
-                    .args(["-m", "venv", "--clear"])
+                Command::new(system.path)
+                    .args(["-Es", "-m", "venv", "--clear"])
                     .arg(&venv),
             );
             let pip = [
+                "-Es",
                 "-m",
                 "pip",
                 "install",
                 "--quiet",
                 "--disable-pip-version-check",
+            ];
+            let options = [
+                "--no-user",
+                "--require-hashes",
+                "--only-binary",
+                ":all:",
                 "--requirement",
             ];
-            succeed(Command::new(&python).args(pip).arg(&requirements));
+            succeed(
+                Command::new(&python)
+                    .args(pip)
+                    .args(options)
+                    .arg(&requirements),
+            );
             fs::write(stamp, wanted).unwrap();
         }
         python
