@@ -148,6 +148,14 @@ fn finish(
     finite("observations", shape.observation, slots.observations)?;
     finite("actions", shape.action, slots.actions)?;
     finite("rewards", 1, rewards_f32)?;
+    if let Some(index) = slots.actions.iter().position(|action| action.abs() > 1.0) {
+        return Err(DatasetError::ActionRange {
+            place: filled.place.clone(),
+            row: index / shape.action,
+            column: index % shape.action,
+            value: slots.actions[index],
+        });
+    }
     let hash = EpisodeArrays {
         observations: slots.observations,
         actions: slots.actions,
@@ -229,6 +237,16 @@ mod tests {
         let mut swapped = original.clone();
         swapped.swap(0, 1);
         assert_ne!(digest(&original), digest(&swapped));
+    }
+
+    #[test]
+    fn an_action_that_no_policy_could_send_is_named_with_its_place() {
+        let text = error(|r| r.actions[SHAPE.action * 2 + 3] = -1.0001);
+        let place = "actions of episode 1 holds -1.0001 at row 2, column 3";
+        assert!(text.starts_with(place), "{text}");
+        let mut at_the_edge = records(&[4]);
+        at_the_edge[0].actions[..2].copy_from_slice(&[1.0, -1.0]);
+        assert!(Dataset::from_records("ted/x-v0", SHAPE, &at_the_edge).is_ok());
     }
 
     #[test]

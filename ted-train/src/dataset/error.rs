@@ -123,6 +123,21 @@ pub enum DatasetError {
         /// The value as it prints.
         value: f64,
     },
+    /// An action outside [-1, 1].
+    #[error(
+        "actions of {place} holds {value} at row {row}, column {column}; a policy sends actions in [-1, 1], so scale them to \
+         that range before they are recorded"
+    )]
+    ActionRange {
+        /// The file or episode.
+        place: String,
+        /// Step inside the episode.
+        row: usize,
+        /// Which number of the action.
+        column: usize,
+        /// The value.
+        value: f32,
+    },
     /// An episode without a single step.
     #[error("{place} has no steps; leave the episode out of the dataset")]
     EmptyEpisode {

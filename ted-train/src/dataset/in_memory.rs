@@ -19,7 +19,8 @@ pub struct Episode {
     pub success: bool,
 }
 
-/// An offline dataset, immutable once built: its existence says that shapes agree and that every number is finite.
+/// An offline dataset, immutable once built: its existence says that shapes agree, that every number is finite, and that
+/// actions lie in [-1, 1].
 #[derive(Clone, Debug)]
 pub struct Dataset {
     pub(super) id: String,
@@ -142,12 +143,6 @@ impl Dataset {
     #[must_use]
     pub fn observations(&self) -> &[f32] {
         &self.observations
-    }
-
-    /// For every step, the row of [`Self::observations`] it acted on.
-    #[must_use]
-    pub fn observations_rows(&self) -> &[u32] {
-        &self.row_of_step
     }
 
     /// All actions, `steps x action_dim`, row-major.

@@ -132,9 +132,6 @@ pub struct SegmentSampler {
 }
 
 impl SegmentSampler {
-    /// Steps of a segment in the preference experiments this project follows.
-    pub const DEFAULT_LEN: u32 = 50;
-
     /// A sampler for segments of `len` steps; refused when an episode cannot hold one.
     pub fn new(dataset: &Dataset, len: u32) -> Result<Self, SegmentError> {
         if len == 0 {

@@ -33,14 +33,13 @@ impl Initialiser {
 
 /// A `[rows, columns]` matrix, row-major, whose shorter side is orthonormal, times `gain`.
 ///
-/// The QR decomposition of a Gaussian matrix, with the signs of R's diagonal moved into Q so that the result is uniform
-/// over orthogonal matrices (Saxe et al. 2014, as in `jax.nn.initializers.orthogonal`).
+/// The QR decomposition of a Gaussian matrix with a diagonal of R that is not negative, which makes Q uniform over
+/// orthogonal matrices (Saxe et al. 2014, as in `jax.nn.initializers.orthogonal`); nalgebra's `q` has the signs in it.
 pub fn orthogonal(rows: usize, columns: usize, gain: f64, rng: &mut impl Rng) -> Vec<f32> {
     let (tall, wide) = (rows.max(columns), rows.min(columns));
     let gaussian = DMatrix::from_fn(tall, wide, |_, _| standard_normal(rng));
-    let qr = gaussian.qr();
-    let (q, r) = (qr.q(), qr.r());
-    let entry = |i: usize, j: usize| gain * q[(i, j)] * r[(j, j)].signum();
+    let q = gaussian.qr().q();
+    let entry = |i: usize, j: usize| gain * q[(i, j)];
     let mut weights = Vec::with_capacity(rows * columns);
     for i in 0..rows {
         for j in 0..columns {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A tensor with its name and shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedTensor {
-    /// Where it belongs, for example `critic/layer1/weight`.
+    /// Where it belongs, for example `critic/1/weight`.
     pub name: String,
     /// Its dimensions.
     pub shape: Vec<usize>,

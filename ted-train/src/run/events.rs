@@ -135,4 +135,39 @@ mod tests {
             .rotate_left(15);
         assert_eq!(unmasked, 0xE306_9283);
     }
+
+    /// The payloads of a file whose frames are whole, each without the wall time that it begins with.
+    fn payloads(mut rest: &[u8]) -> Vec<Vec<u8>> {
+        const WALL_TIME: usize = 9;
+        let mut payloads = Vec::new();
+        while let Some((length, after)) = rest.split_first_chunk::<8>() {
+            let (length_crc, after) = after.split_first_chunk().unwrap();
+            assert_eq!(u32::from_le_bytes(*length_crc), masked_crc32c(length));
+            let (payload, after) = after.split_at(u64::from_le_bytes(*length) as usize);
+            let (payload_crc, after) = after.split_first_chunk().unwrap();
+            assert_eq!(u32::from_le_bytes(*payload_crc), masked_crc32c(payload));
+            let seconds = f64::from_le_bytes(payload[1..WALL_TIME].try_into().unwrap());
+            assert_eq!(payload[0], 0x09);
+            assert!(seconds > 1.7e9, "{seconds}");
+            payloads.push(payload[WALL_TIME..].to_vec());
+            rest = after;
+        }
+        payloads
+    }
+
+    #[test]
+    fn a_file_holds_the_version_and_every_number_as_tensorboard_reads_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut writer = EventWriter::create(folder.path(), 7).unwrap();
+        let row = serde_json::json!({ "phase": "iql", "step": 300, "loss": 0.5 });
+        writer.push("iql", 300, row.as_object().unwrap()).unwrap();
+        let path = folder.path().join("events.out.tfevents.0000000007.ted");
+        let bytes = std::fs::read(path).unwrap();
+        // How the files of TensorFlow itself begin: a length of 24 and its checksum.
+        assert_eq!(bytes[..12], *b"\x18\0\0\0\0\0\0\0\xa3\x7fK\"");
+        let version = b"\x1a\x0dbrain.Event:2";
+        // step = 300; summary { value { tag = "iql/loss"; simple_value = 0.5 } }
+        let row = b"\x10\xac\x02\x2a\x11\x0a\x0f\x0a\x08iql/loss\x15\0\0\0\x3f";
+        assert_eq!(payloads(&bytes), [version.to_vec(), row.to_vec()]);
+    }
 }

@@ -2,8 +2,9 @@
 
 use crate::iql::{Iql, IqlConfig};
 use crate::nn::Backend;
-use crate::nn::fixtures::{BACKENDS, assert_close, bits, wide};
+use crate::nn::fixtures::{BACKENDS, assert_close, bits, values, wide};
 use crate::nn::scalar::flat;
+use crate::rng::Seed;
 use crate::run::Checkpoint;
 
 use super::{batch, config, learner};
@@ -33,6 +34,38 @@ fn the_actor_s_rate_falls_along_a_cosine_to_zero_and_stays_there() {
     assert_eq!(config.actor_rate(2000), 0.0);
     let rates: Vec<f64> = (0..=1000).map(|step| config.actor_rate(step)).collect();
     assert!(rates.is_sorted_by(|earlier, later| earlier > later));
+}
+
+#[test]
+fn fresh_networks_are_orthogonal_with_gain_sqrt_2_and_have_no_bias() {
+    let iql = Iql::new(IqlConfig::default(), 39, 4, &[Seed::root(1)], Backend::Flex);
+    for (name, network) in [
+        ("value", &iql.value),
+        ("actor", &iql.actor),
+        ("critic", &iql.critic),
+    ] {
+        for layer in [&network.layers[0], &network.layers[2]] {
+            let [members, inputs, outputs] = layer.weight.dims();
+            assert!(
+                values(layer.bias.clone()).iter().all(|&b| b == 0.0),
+                "{name}"
+            );
+            let weights = wide(&values(layer.weight.clone()));
+            for member in weights.chunks(weights.len() / members) {
+                // The shorter side is the orthonormal one.
+                let longer = inputs.max(outputs);
+                let at = |short: usize, long: usize| match inputs < outputs {
+                    true => member[short * outputs + long],
+                    false => member[long * outputs + short],
+                };
+                for (i, j) in [(0, 0), (inputs.min(outputs) - 1, 0)] {
+                    let product: f64 = (0..longer).map(|k| at(i, k) * at(j, k)).sum();
+                    let expected = if i == j { 2.0 } else { 0.0 };
+                    assert!((product - expected).abs() < 1e-5, "{name}: {product}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
