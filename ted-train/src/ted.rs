@@ -86,6 +86,15 @@ impl DiscountConfig {
     }
 }
 
+/// Episodes by their return, highest first; between equal returns the earlier episode wins.
+pub(crate) fn ranking(returns: &[f64]) -> Vec<usize> {
+    let mut ranking: Vec<usize> = (0..returns.len()).collect();
+    // Adding zero makes -0.0 the 0.0 that it compares as.
+    let key = |i: usize| returns[i] + 0.0;
+    ranking.sort_by(|&i, &j| key(j).total_cmp(&key(i)));
+    ranking
+}
+
 /// The border of the top `k` percent, rounded to whole episodes.
 fn threshold(returns_hat: &[f32], k: f64) -> ReturnThreshold {
     let keep = (returns_hat.len() as f64 * k / 100.0).round() as usize;
@@ -96,19 +105,18 @@ fn threshold(returns_hat: &[f32], k: f64) -> ReturnThreshold {
     let Some(last) = keep.checked_sub(1) else {
         return ReturnThreshold::NONE;
     };
-    let mut order: Vec<u32> = (0..).take(returns_hat.len()).collect();
-    // Adding zero makes -0.0 the 0.0 that the lookup compares it as.
-    let key = |i: u32| returns_hat[i as usize] + 0.0;
-    order.sort_by(|&i, &j| key(j).total_cmp(&key(i)));
+    let returns: Vec<f64> = returns_hat.iter().copied().map(f64::from).collect();
+    let last = ranking(&returns)[last];
     ReturnThreshold {
-        return_hat: returns_hat[order[last] as usize],
-        last_tied_episode: order[last],
+        return_hat: returns_hat[last],
+        last_tied_episode: u32::try_from(last).unwrap_or(NEW_EPISODE),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::fixtures::{SHAPE, records};
 
     fn in_top(returns_hat: &[f32], k: f64) -> Vec<usize> {
         let ted = DiscountConfig::Ted {
@@ -137,6 +145,36 @@ mod tests {
                 "k = {k}"
             );
         }
+    }
+
+    #[test]
+    fn a_terminal_alone_stops_the_bootstrap_under_both_rules() {
+        // Of the three episodes the second ends in a terminal, the others are cut off.
+        let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records(&[2, 3, 2])).unwrap();
+        let returns_hat = [1.0, 3.0, 2.0];
+        let discounts = |config: DiscountConfig| {
+            let ted = config.lookup(&returns_hat).unwrap();
+            config.discounts(ted.as_ref(), &dataset, &returns_hat)
+        };
+        let constant = DiscountConfig::Constant { gamma: 0.5 };
+        let [full, none] = [0.5, 0.0];
+        assert_eq!(
+            discounts(constant),
+            [full, full, full, full, none, full, full]
+        );
+        let ted = DiscountConfig::Ted {
+            gamma: 0.5,
+            k: 67.0,
+            sigma: 0.5,
+        };
+        assert_eq!(discounts(ted), [0.25, 0.25, full, full, none, full, full]);
+        // Also where the discount is lowered anyway.
+        let ted = DiscountConfig::Ted {
+            gamma: 0.5,
+            k: 0.0,
+            sigma: 0.5,
+        };
+        assert_eq!(discounts(ted), [0.25, 0.25, 0.25, 0.25, none, 0.25, 0.25]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::Dataset;
+use crate::ted::ranking;
 
 use super::Labels;
 
@@ -29,8 +30,8 @@ pub struct RewardQuality {
     pub transition_pearson: f64,
     /// Share of the 5 % of episodes with the highest true return that lie in the predicted top 70 %.
     pub best_kept: f64,
-    /// Mean true return of the predicted top 10 % of episodes over the mean true return of all.
-    pub top_decile_lift: f64,
+    /// Mean true return of the predicted top 10 % of episodes over the mean true return of all, if that is not 0.
+    pub top_decile_lift: Option<f64>,
 }
 
 impl RewardQuality {
@@ -43,9 +44,9 @@ impl RewardQuality {
             .map(f64::from)
             .collect();
         let truth: Vec<f64> = dataset.episodes().iter().map(|e| e.return_true).collect();
-        let order = order(&hat);
+        let ranking = ranking(&hat);
         let third = hat.len() / 3;
-        let (low, high) = (&order[..third], &order[hat.len() - third..]);
+        let (high, low) = (&ranking[..third], &ranking[hat.len() - third..]);
         let (hat_unit, truth_unit) = (unit(&hat), unit(&truth));
         let pearson_of = |set: &[usize]| pearson(&pick(&hat, set), &pick(&truth, set));
         let spearman_of = |set: &[usize]| spearman(&pick(&hat, set), &pick(&truth, set));
@@ -61,7 +62,8 @@ impl RewardQuality {
             .iter()
             .map(|&r| f64::from(r))
             .collect();
-        let decile = &order[hat.len() - hat.len().div_ceil(10)..];
+        let decile = &ranking[..hat.len().div_ceil(10)];
+        let mean_true = mean(&truth);
         Self {
             pearson: pearson(&hat, &truth),
             spearman: spearman(&hat, &truth),
@@ -73,7 +75,7 @@ impl RewardQuality {
             error_high_third: error_of(high),
             transition_pearson: pearson(&rewards_hat, &rewards_true),
             best_kept: best_kept(&hat, &truth, 0.05, 0.7),
-            top_decile_lift: mean(&pick(&truth, decile)) / mean(&truth),
+            top_decile_lift: (mean_true != 0.0).then(|| mean(&pick(&truth, decile)) / mean_true),
         }
     }
 }
@@ -82,9 +84,8 @@ impl RewardQuality {
 #[must_use]
 pub fn best_kept(hat: &[f64], truth: &[f64], best: f64, top: f64) -> f64 {
     let count = |share: f64| ((hat.len() as f64 * share).round() as usize).max(1);
-    let last = |values: &[f64], n: usize| order(values).split_off(values.len() - n);
-    let kept = last(hat, count(top));
-    let wanted = last(truth, count(best));
+    let (kept, wanted) = (ranking(hat), ranking(truth));
+    let (kept, wanted) = (&kept[..count(top)], &wanted[..count(best)]);
     wanted.iter().filter(|i| kept.contains(i)).count() as f64 / wanted.len() as f64
 }
 
@@ -113,7 +114,7 @@ pub fn spearman(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn ranks(values: &[f64]) -> Vec<f64> {
-    let order = order(values);
+    let order = ranking(values);
     let mut ranks = vec![0.0; values.len()];
     let mut start = 0;
     while start < order.len() {
@@ -127,13 +128,6 @@ fn ranks(values: &[f64]) -> Vec<f64> {
         start += tied;
     }
     ranks
-}
-
-/// Indices by ascending value, ties by index.
-fn order(values: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
-    order
 }
 
 fn pick(values: &[f64], set: &[usize]) -> Vec<f64> {
@@ -153,7 +147,70 @@ fn unit(values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use ted_core::RewardRange;
+
     use super::*;
+    use crate::dataset::fixtures::{SHAPE, records};
+
+    /// Episodes of one step, whose returns are these.
+    fn measured(hat: &[f32], truth: &[f64]) -> RewardQuality {
+        let mut records = records(&vec![1; truth.len()]);
+        for (record, &reward) in records.iter_mut().zip(truth) {
+            record.rewards = vec![reward];
+        }
+        let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records).unwrap();
+        let labels = Labels {
+            rewards: hat.to_vec(),
+            range: RewardRange {
+                low: 0.0,
+                high: 1.0,
+            },
+        };
+        RewardQuality::measure(&dataset, &labels)
+    }
+
+    #[test]
+    fn a_measurement_is_what_a_hand_computes() {
+        let hat: Vec<f32> = (0..9).map(|i| i as f32).collect();
+        // The lowest third is predicted the wrong way round, the highest with its last two exchanged.
+        let truth = [4.0, 2.0, 0.0, 3.0, 5.0, 7.0, 6.0, 10.0, 8.0];
+        let quality = measured(&hat, &truth);
+        // Sums of products of deviations, from the means 4 and 5.
+        let pearson = 56.0 / (60.0f64 * 78.0).sqrt();
+        for (what, actual, expected) in [
+            ("pearson", quality.pearson, pearson),
+            ("spearman", quality.spearman, 51.0 / 60.0),
+            ("pearson, low", quality.pearson_low_third, -1.0),
+            ("pearson, high", quality.pearson_high_third, 0.5),
+            ("spearman, low", quality.spearman_low_third, -1.0),
+            ("spearman, high", quality.spearman_high_third, 0.5),
+            ("error, low", quality.error_low_third, 0.725 / 3.0),
+            ("error, high", quality.error_high_third, 0.475 / 3.0),
+            ("transitions", quality.transition_pearson, pearson),
+            ("best kept", quality.best_kept, 1.0),
+            ("lift", quality.top_decile_lift.unwrap(), 8.0 / 5.0),
+        ] {
+            assert!((actual - expected).abs() < 1e-12, "{what}: {actual}");
+        }
+    }
+
+    #[test]
+    fn a_measurement_against_rewards_that_are_all_zero_can_be_written_and_read() {
+        let quality = measured(&[1.0, 2.0, 3.0], &[0.0; 3]);
+        assert_eq!(quality.top_decile_lift, None);
+        let text = serde_json::to_string(&quality).unwrap();
+        assert_eq!(
+            serde_json::from_str::<RewardQuality>(&text).unwrap(),
+            quality
+        );
+    }
+
+    #[test]
+    fn the_earlier_of_equal_episodes_is_in_the_top_as_it_is_for_ted() {
+        let equal = [1.0; 4];
+        assert_eq!(best_kept(&equal, &[9.0, 0.0, 0.0, 0.0], 0.25, 0.5), 1.0);
+        assert_eq!(best_kept(&equal, &[0.0, 0.0, 0.0, 9.0], 0.25, 0.5), 0.0);
+    }
 
     #[test]
     fn spearman_gives_tied_values_their_mean_rank() {

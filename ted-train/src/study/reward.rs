@@ -254,7 +254,7 @@ impl StudyLog {
                     column(|c| c.quality.spearman_high_third),
                     column(|c| c.quality.transition_pearson),
                     column(|c| c.quality.best_kept),
-                    column(|c| c.quality.top_decile_lift),
+                    column(|c| c.quality.top_decile_lift.unwrap_or(f64::NAN)),
                     column(|c| c.held_out),
                 ];
                 rows.push(format!("| {design} | {task} | {} |", columns.join(" | ")));

@@ -7,7 +7,7 @@ use arrow_ipc::reader::FileReader;
 use arrow_ipc::writer::FileWriter;
 use serde_json::Value;
 
-use crate::command::{Desk, finish};
+use crate::command::{Desk, finish, ted};
 use crate::dataset::{SHAPE, episodes, write};
 
 /// Writes good episodes, damages them on the disk, and expects the command to say so.
@@ -121,4 +121,27 @@ fn an_episode_shorter_than_a_segment_is_named_before_anybody_is_asked() {
         .telling("episode 2 has 9 steps, fewer than the 10 of a segment");
     // Whoever does not ask about segments does not mind.
     finish(&mut desk.train_on(&dataset, "plain", "true", &[])).with(0);
+}
+
+#[test]
+fn an_action_that_no_policy_could_send_is_named_with_its_place() {
+    let desk = Desk::new();
+    let mut records = episodes(3, 30);
+    records[1].actions[SHAPE.action * 12 + 3] = 1.5;
+    let dataset = write(desk.folder.path(), "wide", &records);
+    finish(&mut desk.train_on(&dataset, "run", "true", &[]))
+        .with(3)
+        .telling("/1/part-0.arrow holds 1.5 at row 12, column 3")
+        .telling("[-1, 1]");
+    assert!(!desk.run("run").exists(), "nothing was begun");
+}
+
+#[test]
+fn rewards_that_are_all_zero_are_trained_on_and_inspected() {
+    let desk = Desk::new();
+    let mut records = episodes(3, 30);
+    records.iter_mut().for_each(|r| r.rewards.fill(0.0));
+    let dataset = write(desk.folder.path(), "zero", &records);
+    finish(&mut desk.train_on(&dataset, "run", "true", &[])).with(0);
+    finish(ted().arg("inspect").arg(desk.run("run"))).with(0);
 }
