@@ -93,7 +93,7 @@ impl Ends for TrainError {
                 ExitCode::BadInput
             }
             Self::Export(error) => error.exit_code(),
-            Self::Diverged { .. } => ExitCode::Failure,
+            Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => ExitCode::Failure,
             Self::Learn(LearnError::Interrupted) | Self::Interrupted { .. } => {
                 ExitCode::Interrupted
             }

@@ -25,7 +25,8 @@ Examples:
   ted train drawer-open-v3 --set iql.steps=50000 --set discount.sigma=0.5
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
 
-Any field of config.toml can be set. A stopped run goes on with the same command.";
+Any field of config.toml can be set, except preset and seed, which have flags of their own.
+A stopped run goes on with the same command.";
 
 /// Learn a reward from preferences, set discounts, learn a policy, export and fly it
 #[derive(Debug, Args)]
@@ -33,12 +34,12 @@ Any field of config.toml can be set. A stopped run goes on with the same command
 pub(super) struct TrainArgs {
     /// A dataset folder, a Minari id, or a task that `ted collect` has collected
     dataset: String,
-    /// The composition of reward source, discount and algorithm
-    #[arg(long, value_enum, default_value = "oprl-i+ted")]
-    preset: Preset,
-    /// Root of all randomness
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// The composition of reward source, discount and algorithm; that of --config, or oprl-i+ted, if not given
+    #[arg(long, value_enum)]
+    preset: Option<Preset>,
+    /// Root of all randomness; that of --config, or 0, if not given
+    #[arg(long)]
+    seed: Option<u64>,
     /// The run's folder; runs/<task>/<preset>/seed-<seed> if not given
     #[arg(long)]
     out: Option<PathBuf>,
@@ -79,7 +80,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     let out = args
         .out
         .clone()
-        .unwrap_or_else(|| run_folder(task, args.preset.name(), args.seed));
+        .unwrap_or_else(|| run_folder(task, config.preset.name(), config.seed));
     let folder = RunFolder::begin(&out, &config, &reference).map_err(end)?;
     let mut teacher: Box<dyn Teacher> = match &args.preferences {
         Some(log) => Box::new(ReplayTeacher::open(log, &dataset).map_err(end)?),

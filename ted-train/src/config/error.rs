@@ -31,6 +31,16 @@ pub enum ConfigError {
         /// The argument.
         argument: String,
     },
+    /// A `--set` of what a run is called by.
+    #[error(
+        "cannot take {field} from --set {argument:?}: use --{field}, which also names the run's folder"
+    )]
+    Flag {
+        /// The field, which is also the name of the flag.
+        field: &'static str,
+        /// The argument.
+        argument: String,
+    },
     /// A number outside its range.
     #[error("{field} is {value}, but must be in {range}")]
     OutOfRange {

@@ -1,6 +1,7 @@
 //! The whole configuration of a run as one typed value: read from presets, files and `--set`, checked once, written out
 //! resolved beside every result.
 
+mod check;
 mod error;
 mod overrides;
 mod preset;
@@ -74,117 +75,5 @@ impl Config {
     #[must_use]
     pub fn digest(&self) -> [u8; 32] {
         *blake3::hash(self.to_toml().as_bytes()).as_bytes()
-    }
-
-    /// Checks what the types cannot say.
-    ///
-    /// # Errors
-    /// Names the first field that is out of range, its value and the range.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        let within = |field: &'static str, value: f64, holds: bool, range: &'static str| {
-            if holds {
-                Ok(())
-            } else {
-                Err(ConfigError::OutOfRange {
-                    field,
-                    value,
-                    range,
-                })
-            }
-        };
-        let closed =
-            |field, value: f64| within(field, value, (0.0..=1.0).contains(&value), "[0, 1]");
-        match self.discount {
-            DiscountConfig::Constant { gamma } => closed("discount.gamma", as_written(gamma))?,
-            DiscountConfig::Ted { gamma, k, sigma } => {
-                closed("discount.gamma", as_written(gamma))?;
-                closed("discount.sigma", as_written(sigma))?;
-                within("discount.k", k, (0.0..=100.0).contains(&k), "[0, 100]")?;
-            }
-        }
-        let iql = &self.iql;
-        within("iql.tau", iql.tau, iql.tau > 0.0 && iql.tau < 1.0, "(0, 1)")?;
-        within(
-            "iql.beta",
-            iql.beta,
-            iql.beta >= 0.0 && iql.beta.is_finite(),
-            "[0, inf)",
-        )?;
-        within("iql.steps", iql.steps as f64, iql.steps > 0, "at least 1")?;
-        within("iql.batch", iql.batch as f64, iql.batch > 0, "at least 1")?;
-        within(
-            "iql.target_rate",
-            iql.target_rate,
-            iql.target_rate > 0.0 && iql.target_rate <= 1.0,
-            "(0, 1]",
-        )?;
-        within(
-            "iql.learning_rate",
-            iql.learning_rate,
-            iql.learning_rate > 0.0,
-            "(0, inf)",
-        )?;
-        within(
-            "iql.advantage_clip",
-            iql.advantage_clip,
-            iql.advantage_clip > 0.0,
-            "(0, inf)",
-        )?;
-        widths("iql.hidden", &iql.hidden)?;
-        if let RewardConfig::Oprl(oprl) = &self.reward {
-            let members = oprl.members as f64;
-            within(
-                "reward.members",
-                members,
-                (1..=ted_core::MAX_MEMBERS).contains(&oprl.members),
-                "1 to 8",
-            )?;
-            within(
-                "reward.segment",
-                oprl.segment.into(),
-                oprl.segment > 0,
-                "at least 1",
-            )?;
-            within("reward.pool", oprl.pool as f64, oprl.pool > 0, "at least 1")?;
-            within(
-                "reward.learning_rate",
-                oprl.learning_rate,
-                oprl.learning_rate > 0.0,
-                "(0, inf)",
-            )?;
-            widths("reward.hidden", &oprl.hidden)?;
-        }
-        within(
-            "schedule.log_every",
-            self.schedule.log_every as f64,
-            self.schedule.log_every > 0,
-            "at least 1",
-        )?;
-        let every = self.schedule.checkpoint_every;
-        within(
-            "schedule.checkpoint_every",
-            every as f64,
-            every > 0,
-            "at least 1",
-        )
-    }
-}
-
-/// The double with the digits of a single: 1.01 stays 1.01 in a message.
-fn as_written(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(value.into())
-}
-
-/// The controller's core has room for this many layers of this width.
-fn widths(field: &'static str, hidden: &[usize]) -> Result<(), ConfigError> {
-    let fits = hidden.iter().all(|w| (1..=ted_core::MAX_WIDTH).contains(w))
-        && hidden.len() < ted_core::MAX_LAYERS;
-    if fits {
-        Ok(())
-    } else {
-        Err(ConfigError::Widths {
-            field,
-            hidden: hidden.to_vec(),
-        })
     }
 }

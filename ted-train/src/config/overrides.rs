@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use super::{Config, ConfigError, Preset};
@@ -9,12 +11,24 @@ use super::{Config, ConfigError, Preset};
 /// What a person changed about a preset.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
+    /// What a file calls its run.
+    name: Name,
     /// Tables merged over the preset in this order, with where they came from.
     layers: Vec<(String, Table)>,
 }
 
+/// What a run is called by: the two fields that have flags of their own.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+struct Name {
+    preset: Option<Preset>,
+    seed: Option<u64>,
+}
+
+/// The fields of [`Name`].
+const NAME: [&str; 2] = ["preset", "seed"];
+
 impl Overrides {
-    /// Adds a TOML file.
+    /// Adds a TOML file. The preset and the seed that it may name are those of the run, if no flag names others.
     ///
     /// # Errors
     /// When it cannot be read or parsed.
@@ -24,7 +38,11 @@ impl Overrides {
             source,
         })?;
         let origin = path.display().to_string();
-        let table = parse(&origin, &text)?;
+        let mut table: Table = parse(&origin, &text)?;
+        let Name { preset, seed } = parse(&origin, &text)?;
+        self.name.preset = preset.or(self.name.preset);
+        self.name.seed = seed.or(self.name.seed);
+        table.retain(|key, _| !NAME.contains(&key));
         self.layers.push((origin, table));
         Ok(self)
     }
@@ -32,12 +50,16 @@ impl Overrides {
     /// Adds one `key=value`; the key is a dotted path, the value TOML, bare words being strings.
     ///
     /// # Errors
-    /// When there is no `=`, or the key is empty.
+    /// When there is no `=`, the key is empty, or it is one that has a flag of its own.
     pub fn set(mut self, argument: &str) -> Result<Self, ConfigError> {
         let bad = || ConfigError::Override {
             argument: argument.to_owned(),
         };
         let (key, value) = argument.split_once('=').ok_or_else(bad)?;
+        if let Some(field) = NAME.into_iter().find(|field| *field == key.trim()) {
+            let argument = argument.to_owned();
+            return Err(ConfigError::Flag { field, argument });
+        }
         let mut parts = key.trim().rsplit('.');
         let value = toml::from_str::<Table>(&format!("v = {value}"))
             .ok()
@@ -55,16 +77,22 @@ impl Overrides {
         Ok(self)
     }
 
-    /// The preset with every change applied, checked.
+    /// The preset with every change applied, checked. Preset and seed are the given ones, or else those of the file, or
+    /// else the default ones.
     ///
     /// # Errors
     /// Names the first unknown key, wrong type or value out of range, and where it came from.
-    pub fn resolve(&self, preset: Preset, seed: u64) -> Result<Config, ConfigError> {
+    pub fn resolve(
+        &self,
+        preset: Option<Preset>,
+        seed: Option<u64>,
+    ) -> Result<Config, ConfigError> {
+        let preset = preset.or(self.name.preset).unwrap_or_default();
         let start = Config {
-            seed,
+            seed: seed.or(self.name.seed).unwrap_or_default(),
             ..preset.config()
         };
-        let mut table = parse("the preset", &start.to_toml())?;
+        let mut table: Table = parse("the preset", &start.to_toml())?;
         let mut config = start;
         for (origin, layer) in &self.layers {
             merge(&mut table, layer.clone());
@@ -91,16 +119,13 @@ impl Config {
             path: path.to_path_buf(),
             source,
         })?;
-        let config: Self = toml::from_str(&text).map_err(|error| ConfigError::Invalid {
-            origin: path.display().to_string(),
-            message: clean(&error),
-        })?;
+        let config: Self = parse(&path.display().to_string(), &text)?;
         config.check()?;
         Ok(config)
     }
 }
 
-fn parse(origin: &str, text: &str) -> Result<Table, ConfigError> {
+fn parse<T: DeserializeOwned>(origin: &str, text: &str) -> Result<T, ConfigError> {
     toml::from_str(text).map_err(|error| ConfigError::Invalid {
         origin: origin.to_owned(),
         message: clean(&error),
@@ -140,7 +165,7 @@ mod tests {
         for set in sets {
             overrides = overrides.set(set)?;
         }
-        overrides.resolve(Preset::OprlITed, 3)
+        overrides.resolve(Some(Preset::OprlITed), Some(3))
     }
 
     #[test]
@@ -214,6 +239,42 @@ mod tests {
         ] {
             let error = resolve(&[set]).unwrap_err().to_string();
             assert!(error.starts_with(field), "{set}: {error}");
+        }
+    }
+
+    #[test]
+    fn preset_and_seed_come_from_a_flag_or_the_file_and_not_from_set() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.toml");
+        let file = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Overrides::default().file(&path)
+        };
+        let resolved =
+            |text: &str, preset, seed| file(text).unwrap().resolve(preset, seed).unwrap();
+
+        let unnamed = resolved("iql.steps = 7", None, None);
+        assert_eq!((unnamed.preset, unnamed.seed), (Preset::OprlITed, 0));
+        // A preset is a composition and not a label: naming it changes what is computed.
+        let named = resolved("preset = \"zero\"\nseed = 5", None, None);
+        let zero = Preset::Zero.config();
+        assert_eq!(
+            named,
+            Config {
+                seed: 5,
+                ..zero.clone()
+            }
+        );
+        assert_eq!(resolved("seed = 5", Some(Preset::Zero), Some(0)), zero);
+        assert_eq!(resolved(&named.to_toml(), None, None), named);
+
+        for text in ["seed = -1", "seed = \"x\"", "preset = \"x\""] {
+            let error = file(text).unwrap_err().to_string();
+            assert!(error.contains("mine.toml"), "{error}");
+        }
+        for set in ["seed=5", "preset=true", " seed =5"] {
+            let error = resolve(&[set]).unwrap_err().to_string();
+            assert!(error.contains("use --"), "{set}: {error}");
         }
     }
 

@@ -117,7 +117,7 @@ pub fn design_config(
     let overrides = all
         .into_iter()
         .try_fold(Overrides::default(), |overrides, set| overrides.set(set))?;
-    match overrides.resolve(Preset::OprlI, 0)?.reward {
+    match overrides.resolve(Some(Preset::OprlI), None)?.reward {
         RewardConfig::Oprl(config) => Ok(config),
         _ => Err(crate::config::ConfigError::Override {
             argument: "reward.source".to_owned(),

@@ -30,6 +30,14 @@ pub enum LearnError {
     /// An answer could not be had or kept.
     #[error(transparent)]
     Preference(#[from] PreferenceError),
+    /// A loss is no longer a number.
+    #[error(
+        "the reward loss is not finite after round {round}: the learning rate or the inputs are too large"
+    )]
+    Diverged {
+        /// The round, 0 being the first questions.
+        round: u32,
+    },
     /// Somebody asked to stop.
     #[error("stopped while learning a reward: every answer is kept and the same command goes on")]
     Interrupted,
@@ -38,7 +46,8 @@ pub enum LearnError {
 /// Learns a reward ensemble from exactly `members + rounds` answers, each appended to `log` before it is used.
 ///
 /// # Errors
-/// When the dataset has no segment that long, the teacher or the log fails, or somebody asks to stop.
+/// When the dataset has no segment that long, the teacher or the log fails, a loss is not finite, or
+/// somebody asks to stop.
 pub fn learn(
     config: &OprlConfig,
     dataset: &Dataset,
@@ -79,8 +88,11 @@ pub fn learn(
         progress.advance(1);
         !interrupt::requested()
     };
-    let first = ensemble.train(dataset, &pairs, &mut going_on);
-    let mut fits = vec![first.ok_or(LearnError::Interrupted)?];
+    let finite = |round, fit: Option<Fit>| match fit.ok_or(LearnError::Interrupted)? {
+        fit if fit.loss.is_finite() => Ok(fit),
+        _ => Err(LearnError::Diverged { round }),
+    };
+    let mut fits = vec![finite(0, ensemble.train(dataset, &pairs, &mut going_on))?];
     for round in 1..=config.rounds {
         let mut rng = seed.child(&format!("query/round/{round}")).rng();
         let segments = most_disputed(&ensemble, dataset, &sampler, config.pool, &mut rng);
@@ -92,8 +104,10 @@ pub fn learn(
             segments,
         )?;
         pairs.iter_mut().for_each(|own| own.push(pair));
-        let fit = ensemble.train(dataset, &pairs, &mut going_on);
-        fits.push(fit.ok_or(LearnError::Interrupted)?);
+        fits.push(finite(
+            round,
+            ensemble.train(dataset, &pairs, &mut going_on),
+        )?);
     }
     progress.finish();
     Ok(Learned { ensemble, fits })
