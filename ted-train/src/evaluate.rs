@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use firmware_sim::bridge::environment::{self, SetupError};
+use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
 use firmware_sim::plant::PlantError;
 use firmware_sim::plants::metaworld::MetaWorldPlant;
@@ -14,6 +15,8 @@ use firmware_sim::rollout::{
 use firmware_sim::tasks::{self, TaskError};
 use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, LoadError};
+
+use crate::run::{EVALUATION, RunFolder};
 
 /// How a policy flew.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,6 +98,9 @@ pub enum EvaluateError {
     /// The flight.
     #[error(transparent)]
     Fly(#[from] FlyError),
+    /// The disk.
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// Flies `episodes` episodes whose seeds follow from `seed`; the number of workers changes nothing but the time.
@@ -146,4 +152,66 @@ pub fn evaluate(
         dataset_mean: provenance.dataset_return_mean,
         dataset_max: provenance.dataset_return_max,
     })
+}
+
+/// The evaluation that a run's folder holds if these episodes were flown, or else a new one, which it then holds.
+///
+/// # Errors
+/// When the policy cannot be flown, or the disk is full or fails.
+pub fn evaluate_once(
+    folder: &RunFolder,
+    episodes: u32,
+    seed: u64,
+    workers: usize,
+    audience: Audience,
+) -> Result<Evaluation, EvaluateError> {
+    // One that cannot be read is flown again. What it flew is the artefact: `RunFolder::write_artefact`.
+    if let Ok(held) = folder.read_json::<Evaluation>(EVALUATION)
+        && (held.seed, held.returns.len()) == (seed, episodes as usize)
+    {
+        return Ok(held);
+    }
+    let artefact = folder.artefact_path();
+    let evaluation = evaluate(&artefact, None, episodes, seed, workers, audience)?;
+    folder.write_json(EVALUATION, &evaluation)?;
+    Ok(evaluation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Preset;
+    use crate::run::DatasetReference;
+
+    #[test]
+    fn an_evaluation_is_used_again_for_the_same_episodes_only() {
+        let temporary = tempfile::tempdir().unwrap();
+        let dataset = DatasetReference {
+            id: "ted/x-v0".to_owned(),
+            digest: String::new(),
+            path: "x".into(),
+        };
+        let config = Preset::True.config();
+        let folder = RunFolder::begin(temporary.path(), &config, &dataset).unwrap();
+        let held = Evaluation {
+            task: "reach-v3".to_owned(),
+            seed: 3,
+            returns: vec![1.0, 2.0],
+            return_mean: 1.5,
+            return_sd: 0.5,
+            score: None,
+            success: 1.0,
+            faulted: 0,
+            faults: Vec::new(),
+            dataset_mean: 0.0,
+            dataset_max: 0.0,
+        };
+        folder.write_json(EVALUATION, &held).unwrap();
+        let fly = |episodes, seed| evaluate_once(&folder, episodes, seed, 1, Audience::Nobody);
+        assert_eq!(fly(2, 3).unwrap(), held);
+        // There is no artefact: whoever wants to fly finds that out.
+        for (episodes, seed) in [(3, 3), (2, 4)] {
+            assert!(matches!(fly(episodes, seed), Err(EvaluateError::Load(_))));
+        }
+    }
 }

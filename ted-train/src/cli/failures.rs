@@ -108,6 +108,7 @@ impl Ends for EvaluateError {
             Self::Task(_) => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),
+            Self::Write(error) => error.exit_code(),
         }
     }
 }
@@ -125,6 +126,7 @@ impl Ends for StudyError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Config(error) => error.exit_code(),
+            Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Start(_) | Self::Failed { .. } => ExitCode::Failure,
             Self::Interrupted => ExitCode::Interrupted,

@@ -130,7 +130,9 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
             }));
         }
     }
-    if !args.table {
+    if args.table {
+        policies::check(&args.out, &runs, &args.sets).map_err(end)?;
+    } else {
         let progress = args
             .output
             .audience()

@@ -1,16 +1,17 @@
 //! `ted train`: a dataset and ten answers in, an artefact out.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
 use crate::config::{Overrides, Preset};
-use crate::evaluate::evaluate;
-use crate::preferences::{ReplayTeacher, ScriptedTeacher, Teacher};
-use crate::run::{DatasetReference, RunFolder};
+use crate::dataset::Dataset;
+use crate::evaluate::evaluate_once;
+use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
+use crate::run::{DatasetReference, PREFERENCES, RunFolder};
 use crate::train::train;
 
 use super::collect::workers;
@@ -83,7 +84,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         .unwrap_or_else(|| run_folder(task, config.preset.name(), config.seed));
     let folder = RunFolder::begin(&out, &config, &reference).map_err(end)?;
     let mut teacher: Box<dyn Teacher> = match &args.preferences {
-        Some(log) => Box::new(ReplayTeacher::open(log, &dataset).map_err(end)?),
+        Some(log) => Box::new(replay(log, &folder, &dataset)?),
         None => Box::new(ScriptedTeacher::new(0.0).map_err(end)?),
     };
     train(&dataset, &config, &folder, teacher.as_mut(), audience).map_err(end)?;
@@ -95,15 +96,23 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
             folder.artefact_path().display().to_string()
         });
     }
-    let report = evaluate(
-        &folder.artefact_path(),
-        None,
-        episodes,
-        config.seed,
-        workers(args.workers),
-        audience,
-    )
-    .map_err(end)?;
-    folder.write_json("evaluation.json", &report).map_err(end)?;
+    let workers = workers(args.workers);
+    let report = evaluate_once(&folder, episodes, config.seed, workers, audience).map_err(end)?;
     args.output.print(&report, || text(&report))
+}
+
+/// A teacher that answers from this file, for a folder that holds no answers of anybody else.
+fn replay(log: &Path, folder: &RunFolder, dataset: &Dataset) -> Result<ReplayTeacher, Failure> {
+    let teacher = ReplayTeacher::open(log, dataset).map_err(end)?;
+    let held = folder.file(PREFERENCES);
+    if held.exists() {
+        let held = PreferenceLog::read(&held, dataset).map_err(end)?;
+        if let Some(number) = teacher.first_other_answer(&held) {
+            let log = log.display();
+            return Err(end(
+                folder.other(format!("its answer {number} is not one of {log}"))
+            ));
+        }
+    }
+    Ok(teacher)
 }

@@ -3,11 +3,9 @@
 use firmware_sim::progress::Audience;
 
 use crate::evaluate::{Evaluation, evaluate};
-use crate::run::RunFolder;
+use crate::run::{EVALUATION, RunFolder};
 
 use super::CrosscheckError;
-
-const EVALUATION: &str = "evaluation.json";
 
 /// What flying the evaluation again came to.
 pub(super) enum Again {

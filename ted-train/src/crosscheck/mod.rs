@@ -169,7 +169,7 @@ pub fn crosscheck(
             let labels = state::labels(&ensemble, &run, dataset)?;
             checks.push(Check::of(tolerance::LABELS, labels));
         }
-        None => left_out.push("rewards: the run learned none".to_owned()),
+        None => left_out.push("rewards: the artefact holds no ensemble".to_owned()),
     }
     match (artifact.ted(), &run.config().discount) {
         (Some(ted), DiscountConfig::Ted { k, .. }) => {
@@ -179,7 +179,7 @@ pub fn crosscheck(
                 state::classes(&ted, &returns_hat, *k),
             ));
         }
-        _ => left_out.push("TED classes: the run has a constant discount".to_owned()),
+        _ => left_out.push("TED classes: the artefact holds no lookup".to_owned()),
     }
     match fly_again(folder, config.episodes, config.workers, audience)? {
         Again::Compared(counts) => checks.push(Check::exact(tolerance::RETURNS, counts)),

@@ -16,6 +16,9 @@ const RANGE_MARGIN: f32 = 0.5;
 /// ... and at least by this much, in the channel's unit, so that a channel that never moved can.
 const RANGE_FLOOR: f32 = 0.02;
 
+/// Numbers in an observation and in an action of Meta-World.
+const META_WORLD: (usize, usize) = (39, 4);
+
 /// Owned names and ranges, from which the artefact's contract borrows.
 pub struct ContractText {
     task: String,
@@ -40,8 +43,8 @@ impl ContractText {
                 (name, unit, low - margin, high + margin)
             })
             .collect();
-        let action = match dataset.action_dim() {
-            4 => [
+        let action = match (dataset.observation_dim(), dataset.action_dim()) {
+            META_WORLD => [
                 ("hand_dx", "cm", SafeAction::Zero),
                 ("hand_dy", "cm", SafeAction::Zero),
                 ("hand_dz", "cm", SafeAction::Zero),
@@ -50,7 +53,7 @@ impl ContractText {
             ]
             .map(|(name, unit, on_fault)| (name.to_owned(), unit, on_fault))
             .to_vec(),
-            dims => (0..dims)
+            (_, dims) => (0..dims)
                 .map(|i| (format!("action_{i}"), "", SafeAction::Zero))
                 .collect(),
         };

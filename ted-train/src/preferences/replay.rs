@@ -29,6 +29,19 @@ impl ReplayTeacher {
             asked: 0,
         })
     }
+
+    /// The number, counted from 1, of the first of these answers that it would not have given; none when a run that
+    /// holds them could be one that asked it.
+    #[must_use]
+    pub fn first_other_answer(&self, held: &[LogEntry]) -> Option<usize> {
+        let mut rest = self.entries.iter();
+        let mut given = |held: &LogEntry| {
+            rest.any(|entry| (entry.query, entry.answer) == (held.query, held.answer))
+        };
+        held.iter()
+            .position(|held| !given(held))
+            .map(|index| index + 1)
+    }
 }
 
 impl Teacher for ReplayTeacher {

@@ -14,9 +14,9 @@ use crate::collect::{self, CollectConfig, CollectError, PartReport, Recipe};
 use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
-use crate::evaluate::{EvaluateError, Evaluation, evaluate};
+use crate::evaluate::{EvaluateError, Evaluation, evaluate_once};
 use crate::preferences::{PreferenceError, ScriptedTeacher};
-use crate::run::{DatasetReference, RunError, RunFolder};
+use crate::run::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
 use crate::train::{TrainError, train};
 use firmware_sim::disk::WriteError;
 
@@ -174,7 +174,7 @@ pub fn quickstart(
     let mut teacher = Narrator::new(ScriptedTeacher::new(0.0)?, audience);
     train(&dataset, &training, &folder, &mut teacher, audience)?;
     if teacher.asked() == 0 {
-        let log = folder.file("preferences.jsonl");
+        let log = folder.file(PREFERENCES);
         audience.note(&format!(
             "  the questions were asked before: {}",
             log.display()
@@ -185,7 +185,8 @@ pub fn quickstart(
     audience.note(&format!("{}", folder.artefact_path().display()));
 
     stage(5, "fly it");
-    let trained = fly_once(&folder, config, audience)?;
+    let (seed, workers) = (config.seed, config.workers);
+    let trained = evaluate_once(&folder, FLOWN_EPISODES, seed, workers, audience)?;
 
     stage(6, "is what flew what was trained?");
     let check = CrosscheckConfig {
@@ -207,39 +208,17 @@ pub fn quickstart(
     })
 }
 
-/// The evaluation that the folder holds, or a new one.
-fn fly_once(
-    folder: &RunFolder,
-    config: &QuickstartConfig,
-    audience: Audience,
-) -> Result<Evaluation, QuickstartError> {
-    const EVALUATION: &str = "evaluation.json";
-    if folder.file(EVALUATION).exists() {
-        return Ok(folder.read_json(EVALUATION)?);
-    }
-    let evaluation = evaluate(
-        &folder.artefact_path(),
-        None,
-        FLOWN_EPISODES,
-        config.seed,
-        config.workers,
-        audience,
-    )?;
-    folder.write_json(EVALUATION, &evaluation)?;
-    Ok(evaluation)
-}
-
 fn written(dataset: &Path, scripted: &Path, folder: &RunFolder) -> Vec<Written> {
     let entry = |what, path: PathBuf| Written { what, path };
     vec![
         entry("dataset", dataset.to_path_buf()),
         entry("scripted policy", scripted.to_path_buf()),
-        entry("questions", folder.file("preferences.jsonl")),
+        entry("questions", folder.file(PREFERENCES)),
         entry("reward quality", folder.file("reward.json")),
         entry("configuration", folder.config_path()),
         entry("metrics", folder.file("metrics.jsonl")),
         entry("artefact", folder.artefact_path()),
-        entry("evaluation", folder.file("evaluation.json")),
+        entry("evaluation", folder.file(EVALUATION)),
         entry("cross-check", folder.file("crosscheck.json")),
     ]
 }

@@ -1,6 +1,8 @@
 //! The folder of a run, held by one process at a time.
 
+use std::fmt::Display;
 use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -8,9 +10,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, ConfigError};
 use firmware_sim::disk::{self, WriteError};
+use firmware_sim::progress::Audience;
 
 use super::sealed::{self, SealedError};
 use super::{Checkpoint, ForeignCheckpoint};
+
+/// Every question asked, and its answer.
+pub const PREFERENCES: &str = "preferences.jsonl";
+
+/// How the artefact flew.
+pub const EVALUATION: &str = "evaluation.json";
 
 /// Checkpoints kept: the newest, and the one before in case the newest is damaged.
 const KEPT_CHECKPOINTS: usize = 2;
@@ -73,7 +82,7 @@ pub enum RunError {
 pub struct RunFolder {
     path: PathBuf,
     /// Held as long as the run is open for writing.
-    lock: Option<File>,
+    _lock: Option<File>,
 }
 
 impl RunFolder {
@@ -89,28 +98,15 @@ impl RunFolder {
         disk::create_folder(&path.join("checkpoints"))?;
         let folder = Self {
             path: path.to_path_buf(),
-            lock: Some(disk::lock(path)?),
+            _lock: Some(disk::lock(path)?),
         };
-        let other = |difference: String| RunError::OtherRun {
-            folder: path.to_path_buf(),
-            difference,
-        };
-        let config_path = folder.config_path();
-        if config_path.exists() {
-            let held = Config::read(&config_path)?;
-            if held != *config {
-                return Err(other(format!(
-                    "its config.toml differs: {}",
-                    first_difference(&held, config)
-                )));
-            }
-        } else {
-            disk::replace(&config_path, config.to_toml().as_bytes())?;
+        if !Self::holds(path, config)? {
+            disk::replace(&folder.config_path(), config.to_toml().as_bytes())?;
         }
         if folder.file("dataset.json").exists() {
             let held: DatasetReference = folder.read_json("dataset.json")?;
             if held.digest != dataset.digest {
-                return Err(other(format!(
+                return Err(folder.other(format!(
                     "it was trained on {} with digest {}",
                     held.id, held.digest
                 )));
@@ -120,6 +116,34 @@ impl RunFolder {
         Ok(folder)
     }
 
+    /// Whether the run of this configuration was begun in the folder; false when no run was.
+    ///
+    /// # Errors
+    /// When it holds another run, or a configuration that cannot be read.
+    pub fn holds(path: &Path, config: &Config) -> Result<bool, RunError> {
+        let folder = match Self::open(path) {
+            Ok(folder) => folder,
+            Err(RunError::Missing { .. }) => return Ok(false),
+            Err(error) => return Err(error),
+        };
+        let held = Config::read(&folder.config_path())?;
+        if held == *config {
+            Ok(true)
+        } else {
+            let difference = first_difference(&held, config);
+            Err(folder.other(format!("its config.toml differs: {difference}")))
+        }
+    }
+
+    /// The error for a run that is not the one in this folder.
+    #[must_use]
+    pub fn other(&self, difference: String) -> RunError {
+        RunError::OtherRun {
+            folder: self.path.clone(),
+            difference,
+        }
+    }
+
     /// Opens a folder to read from.
     ///
     /// # Errors
@@ -127,7 +151,7 @@ impl RunFolder {
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let folder = Self {
             path: path.to_path_buf(),
-            lock: None,
+            _lock: None,
         };
         let config = folder.config_path();
         if config.exists() {
@@ -135,12 +159,6 @@ impl RunFolder {
         } else {
             Err(RunError::Missing { path: config })
         }
-    }
-
-    /// Whether this process may write here.
-    #[must_use]
-    pub fn is_held(&self) -> bool {
-        self.lock.is_some()
     }
 
     /// Where it is.
@@ -211,7 +229,26 @@ impl RunFolder {
         sealed::read(&self.file(name))
     }
 
-    /// Saves a learner, then removes all but the newest checkpoints.
+    /// Puts the artefact of the run in its place. An evaluation of other bytes is gone before these are there: what
+    /// `evaluation.json` says is about `policy.ted`.
+    ///
+    /// # Errors
+    /// When the disk is full or fails.
+    pub fn write_artefact(&self, bytes: &[u8]) -> Result<(), WriteError> {
+        let (artefact, evaluation) = (self.artefact_path(), self.file(EVALUATION));
+        if std::fs::read(&artefact).is_ok_and(|held| held == bytes) {
+            return Ok(());
+        }
+        match std::fs::remove_file(&evaluation) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(WriteError::at(&evaluation, error));
+            }
+            _ => disk::replace(&artefact, bytes),
+        }
+    }
+
+    /// Saves a learner, then removes all but the newest checkpoints. A later one goes too: this learner did not start
+    /// from it, so it could not be used.
     ///
     /// # Errors
     /// When the disk is full or fails; the checkpoints before stay as they were.
@@ -221,18 +258,31 @@ impl RunFolder {
             .join("checkpoints")
             .join(format!("{:012}.checkpoint", checkpoint.step));
         disk::replace(&path, &sealed::seal(checkpoint))?;
-        for old in self.checkpoints().iter().rev().skip(KEPT_CHECKPOINTS) {
-            std::fs::remove_file(old).map_err(|source| WriteError::at(old, source))?;
+        let (saved, later): (Vec<_>, Vec<_>) =
+            self.checkpoints().into_iter().partition(|p| *p <= path);
+        let earlier = saved.iter().rev().skip(KEPT_CHECKPOINTS);
+        for useless in later.iter().chain(earlier) {
+            std::fs::remove_file(useless).map_err(|source| WriteError::at(useless, source))?;
         }
         Ok(())
     }
 
-    /// The newest checkpoint that can be read; a damaged one is passed over with a note to `warn`.
-    pub fn newest_checkpoint(&self, mut warn: impl FnMut(&SealedError)) -> Option<Checkpoint> {
-        self.checkpoints()
-            .iter()
-            .rev()
-            .find_map(|path| sealed::read(path).inspect_err(&mut warn).ok())
+    /// The newest checkpoint of this configuration that can be read; any other is passed over with a note.
+    #[must_use]
+    pub fn newest_checkpoint(&self, config: &Config, audience: Audience) -> Option<Checkpoint> {
+        let pass_over = |why: &dyn Display| audience.note(&format!("pass over: {why}"));
+        let digest = config.digest();
+        self.checkpoints().iter().rev().find_map(|path| {
+            let checkpoint: Checkpoint = sealed::read(path).inspect_err(|e| pass_over(e)).ok()?;
+            if checkpoint.config_digest == digest {
+                return Some(checkpoint);
+            }
+            pass_over(&format_args!(
+                "{} belongs to another configuration",
+                path.display()
+            ));
+            None
+        })
     }
 
     fn checkpoints(&self) -> Vec<PathBuf> {
@@ -257,4 +307,79 @@ fn first_difference(held: &Config, wanted: &Config) -> String {
         || "one has more fields".to_owned(),
         |(a, b)| format!("`{a}` there, `{b}` asked for"),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Preset;
+
+    fn begin(path: &Path, config: &Config) -> RunFolder {
+        let dataset = DatasetReference {
+            id: "ted/x-v0".to_owned(),
+            digest: String::new(),
+            path: PathBuf::new(),
+        };
+        RunFolder::begin(path, config, &dataset).unwrap()
+    }
+
+    fn at(config: &Config, step: u64) -> Checkpoint {
+        Checkpoint {
+            config_digest: config.digest(),
+            step,
+            tensors: Vec::new(),
+        }
+    }
+
+    fn steps(folder: &RunFolder) -> Vec<u64> {
+        let stem = |path: PathBuf| path.file_stem()?.to_str()?.parse().ok();
+        folder.checkpoints().into_iter().filter_map(stem).collect()
+    }
+
+    #[test]
+    fn a_checkpoint_outlives_later_ones_that_could_not_be_used() {
+        let temporary = tempfile::tempdir().unwrap();
+        let config = Preset::True.config();
+        let folder = begin(temporary.path(), &config);
+        let newest = || {
+            let newest = folder.newest_checkpoint(&config, Audience::Nobody);
+            newest.map(|checkpoint| checkpoint.step)
+        };
+        for step in [80, 90, 100] {
+            folder.save(&at(&config, step)).unwrap();
+        }
+        assert_eq!((steps(&folder), newest()), (vec![90, 100], Some(100)));
+        for path in folder.checkpoints() {
+            std::fs::write(path, b"damaged").unwrap();
+        }
+        assert_eq!(newest(), None);
+        folder.save(&at(&config, 10)).unwrap();
+        assert_eq!((steps(&folder), newest()), (vec![10], Some(10)));
+        folder.save(&at(&config, 20)).unwrap();
+        assert_eq!((steps(&folder), newest()), (vec![10, 20], Some(20)));
+    }
+
+    #[test]
+    fn a_checkpoint_of_another_configuration_is_passed_over_for_the_one_before() {
+        let temporary = tempfile::tempdir().unwrap();
+        let (config, other) = (Preset::True.config(), Preset::Zero.config());
+        let folder = begin(temporary.path(), &config);
+        folder.save(&at(&config, 10)).unwrap();
+        folder.save(&at(&other, 20)).unwrap();
+        let newest = folder.newest_checkpoint(&config, Audience::Nobody);
+        assert_eq!(newest, Some(at(&config, 10)));
+    }
+
+    #[test]
+    fn an_evaluation_does_not_outlive_the_artefact_that_flew() {
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = begin(temporary.path(), &Preset::True.config());
+        folder.write_artefact(b"one").unwrap();
+        folder.write_json(EVALUATION, &"of one").unwrap();
+        folder.write_artefact(b"one").unwrap();
+        assert!(folder.file(EVALUATION).exists());
+        folder.write_artefact(b"two").unwrap();
+        assert!(!folder.file(EVALUATION).exists());
+        assert_eq!(std::fs::read(folder.artefact_path()).unwrap(), b"two");
+    }
 }

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::config::{Overrides, Preset};
 use crate::evaluate::Evaluation;
-use crate::run::RunFolder;
+use crate::run::{EVALUATION, RunError, RunFolder};
 use crate::train::RewardReport;
 use firmware_sim::disk::{self, WriteError};
 
@@ -52,6 +52,9 @@ pub enum StudyError {
     /// A configuration that cannot be used.
     #[error(transparent)]
     Config(#[from] crate::config::ConfigError),
+    /// A run's folder that holds another one.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// The disk.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -71,10 +74,26 @@ pub enum StudyError {
     Interrupted,
 }
 
+/// Refuses changes that cannot be made, and a place where one of these runs was begun with others: its score would stand
+/// in a row that it does not belong to.
+///
+/// # Errors
+/// Names the change, or the folder and what differs.
+pub fn check(out: &Path, runs: &[PolicyRun], sets: &[String]) -> Result<(), StudyError> {
+    let changes = sets
+        .iter()
+        .try_fold(Overrides::default(), |all, set| all.set(set))?;
+    for run in runs {
+        let config = changes.resolve(Some(run.preset), Some(run.seed))?;
+        RunFolder::holds(&run_path(out, run), &config)?;
+    }
+    Ok(())
+}
+
 /// Trains and flies what is missing, `jobs` runs at a time.
 ///
 /// # Errors
-/// When a run fails; the others are finished first.
+/// When [`check`] does, before anything is trained, or when a run fails; the others are finished first.
 pub fn fill(
     out: &Path,
     runs: &[PolicyRun],
@@ -82,9 +101,8 @@ pub fn fill(
     jobs: usize,
     progress: &Progress,
 ) -> Result<(), StudyError> {
-    // A mistake in --set is told once and at once, not by every run.
-    sets.iter()
-        .try_fold(Overrides::default(), |all, set| all.set(set))?;
+    // A mistake is told once and at once, not by every run.
+    check(out, runs, sets)?;
     disk::create_folder(out)?;
     let queue = Mutex::new(runs.iter());
     let failures = Mutex::new(Vec::new());
@@ -127,7 +145,7 @@ fn push(failures: &Mutex<Vec<PathBuf>>, log: PathBuf) {
 /// Runs `ted train` unless its evaluation is there; true when it is there then.
 fn one(program: &Path, out: &Path, run: &PolicyRun, sets: &[String]) -> std::io::Result<bool> {
     let folder = run_path(out, run);
-    if folder.join("evaluation.json").exists() {
+    if folder.join(EVALUATION).exists() {
         return Ok(true);
     }
     std::fs::create_dir_all(&folder)?;
@@ -173,7 +191,7 @@ pub fn scores(out: &Path, runs: &[PolicyRun]) -> Vec<PolicyScore> {
             dataset: run.dataset.clone(),
             preset: run.preset.name().to_owned(),
             seed: run.seed,
-            evaluation: folder.read_json("evaluation.json").ok()?,
+            evaluation: folder.read_json(EVALUATION).ok()?,
             reward: folder.read_json("reward.json").ok()?,
         })
     };
@@ -218,4 +236,34 @@ pub fn table(scores: &[PolicyScore]) -> String {
         ));
     }
     rows.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_with_other_settings_is_refused_where_a_run_was_begun() {
+        let out = tempfile::tempdir().unwrap();
+        let run = |seed| PolicyRun {
+            dataset: "reach-v3".to_owned(),
+            preset: Preset::True,
+            seed,
+        };
+        let runs = [run(0), run(1)];
+        let short = ["iql.steps=50".to_owned()];
+        assert!(check(out.path(), &runs, &short).is_ok(), "nothing is there");
+
+        let mut config = Preset::True.config();
+        (config.seed, config.iql.steps) = (1, 50);
+        let begun = run_path(out.path(), &run(1));
+        disk::create_folder(&begun).unwrap();
+        std::fs::write(begun.join("config.toml"), config.to_toml()).unwrap();
+        assert!(check(out.path(), &runs, &short).is_ok());
+        let error = check(out.path(), &runs, &[]).unwrap_err().to_string();
+        for part in ["seed-1", "`steps = 50` there", "--out"] {
+            assert!(error.contains(part), "{error}");
+        }
+        assert!(check(out.path(), &runs[..1], &[]).is_ok());
+    }
 }

@@ -71,9 +71,8 @@ impl FinishedRun {
             shift: self.shift(),
             scale: self.scale(),
             actor: self.actor(),
-            // The controller maps rewards to [0, 1]: it cannot repeat a learner that was given raw ones.
-            reward: self.reward().filter(|_| self.config.unit_rewards),
-            ted: self.ted.filter(|_| self.config.unit_rewards),
+            reward: self.reward(),
+            ted: self.ted(),
             preset: self.config.preset.name(),
             seed: self.config.seed,
             steps: self.config.iql.steps,
@@ -112,17 +111,22 @@ impl FinishedRun {
         &self.rewards.labels
     }
 
-    /// The reward ensemble and its range, if the run learned one.
+    /// The reward ensemble and its range, if the run learned one that a controller can compute.
     #[must_use]
     pub fn reward(&self) -> Option<(&ExportedEnsemble, RewardRange)> {
         let ensemble = self.rewards.ensemble.as_ref()?;
-        Some((ensemble, self.rewards.labels.range))
+        self.for_the_controller((ensemble, self.rewards.labels.range))
     }
 
-    /// TED's lookup, if the run used it.
+    /// TED's lookup, if the run used it on returns that a controller can compute.
     #[must_use]
     pub fn ted(&self) -> Option<TedDiscount> {
-        self.ted
+        self.for_the_controller(self.ted?)
+    }
+
+    /// The controller maps rewards to [0, 1]: it cannot repeat a learner that was given raw ones.
+    fn for_the_controller<T>(&self, part: T) -> Option<T> {
+        self.config.unit_rewards.then_some(part)
     }
 }
 
@@ -135,7 +139,7 @@ pub fn last_checkpoint(
     config: &Config,
     audience: Audience,
 ) -> Result<Checkpoint, TrainError> {
-    let newest = newest_checkpoint(folder, config, audience);
+    let newest = folder.newest_checkpoint(config, audience);
     let step = newest.as_ref().map_or(0, |checkpoint| checkpoint.step);
     let steps = config.iql.steps;
     newest
@@ -150,15 +154,7 @@ pub fn last_checkpoint(
 /// Updates that a run has made and saved.
 #[must_use]
 pub fn newest_step(folder: &RunFolder, config: &Config, audience: Audience) -> u64 {
-    newest_checkpoint(folder, config, audience).map_or(0, |checkpoint| checkpoint.step)
-}
-
-fn newest_checkpoint(
-    folder: &RunFolder,
-    config: &Config,
-    audience: Audience,
-) -> Option<Checkpoint> {
     folder
-        .newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
-        .filter(|checkpoint| checkpoint.config_digest == config.digest())
+        .newest_checkpoint(config, audience)
+        .map_or(0, |checkpoint| checkpoint.step)
 }

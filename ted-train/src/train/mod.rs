@@ -14,12 +14,12 @@ use firmware_sim::progress::Audience;
 
 use crate::config::Config;
 use crate::dataset::Dataset;
-use crate::export::ExportError;
+use crate::export::{ContractText, ExportError};
 use crate::preferences::Teacher;
 use crate::reward::oprl::LearnError;
 use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
-use firmware_sim::disk::{self, WriteError};
+use firmware_sim::disk::WriteError;
 
 /// Why training stopped.
 #[derive(Debug, thiserror::Error)]
@@ -69,10 +69,13 @@ pub enum TrainError {
     },
 }
 
-/// Runs every phase that the folder does not hold yet. The result is a function of the configuration and the dataset.
+/// Runs the phases in order. A reward that the folder holds is not learned again, and the policy goes on from the newest
+/// checkpoint; labels, discounts and the artefact are always made again, which takes seconds. The result is a function of
+/// the configuration, the dataset and the answers.
 ///
 /// # Errors
-/// When a phase fails or is interrupted; what was finished is kept and the same call goes on.
+/// When no controller could fly a policy for this dataset, which is told before anything is learned, and when a phase
+/// fails or is interrupted; what was finished is kept and the same call goes on.
 pub fn train(
     dataset: &Dataset,
     config: &Config,
@@ -80,6 +83,9 @@ pub fn train(
     teacher: &mut dyn Teacher,
     audience: Audience,
 ) -> Result<(), TrainError> {
+    ContractText::new(dataset)
+        .contract()
+        .map_err(ExportError::from)?;
     let root = Seed::root(config.seed);
 
     // Phase 1 and 2: a reward for each transition.
@@ -109,6 +115,48 @@ pub fn train(
         rewards,
         ted,
     };
-    disk::replace(&folder.artefact_path(), &run.artefact(dataset)?)?;
+    folder.write_artefact(&run.artefact(dataset)?)?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Preset;
+    use crate::dataset::{EpisodeRecord, Shape};
+    use crate::preferences::ScriptedTeacher;
+    use crate::run::DatasetReference;
+
+    #[test]
+    fn observations_that_no_controller_has_room_for_are_refused_before_anything_is_learned() {
+        let shape = Shape {
+            observation: ted_core::MAX_OBSERVATION + 1,
+            action: 1,
+        };
+        let episode = EpisodeRecord {
+            observations: vec![0.0; 3 * shape.observation],
+            actions: vec![0.0; 2],
+            rewards: vec![0.0; 2],
+            terminations: vec![false; 2],
+            truncations: vec![false, true],
+            success: vec![false; 2],
+            ..EpisodeRecord::default()
+        };
+        let dataset = Dataset::from_records("ted/x-v0", shape, &[episode]).unwrap();
+        let reference = DatasetReference {
+            id: dataset.id().to_owned(),
+            digest: dataset.digest().to_owned(),
+            path: PathBuf::new(),
+        };
+        let temporary = tempfile::tempdir().unwrap();
+        let config = Preset::True.config();
+        let folder = RunFolder::begin(temporary.path(), &config, &reference).unwrap();
+        let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+        let refused = train(&dataset, &config, &folder, &mut teacher, Audience::Nobody);
+        assert!(matches!(
+            refused,
+            Err(TrainError::Export(ExportError::Contract(_)))
+        ));
+        assert!(!folder.file("reward.json").exists());
+    }
 }

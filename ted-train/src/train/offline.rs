@@ -58,10 +58,7 @@ pub(super) fn learn(
         &seeds,
         config.backend,
     );
-    if let Some(checkpoint) =
-        folder.newest_checkpoint(|error| audience.note(&format!("pass over: {error}")))
-        && checkpoint.config_digest == digest
-    {
+    if let Some(checkpoint) = folder.newest_checkpoint(config, audience) {
         iql.restore(&checkpoint).map_err(RunError::from)?;
     }
     let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;

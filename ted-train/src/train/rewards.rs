@@ -17,7 +17,7 @@ use crate::reward::{
     Labels, RewardConfig, dataset_labels, ensemble_labels, random_labels, zero_labels,
 };
 use crate::rng::Seed;
-use crate::run::{RunError, RunFolder};
+use crate::run::{PREFERENCES, RunError, RunFolder};
 
 use super::TrainError;
 
@@ -58,13 +58,9 @@ pub(super) fn rewards(
     root: Seed,
     audience: Audience,
 ) -> Result<Rewards, TrainError> {
-    let learned = match &config.reward {
-        RewardConfig::Oprl(oprl) => Some(ensemble_of(
-            oprl, dataset, config, folder, teacher, root, audience,
-        )?),
-        _ => None,
-    };
-    let (rewards, facts) = label(dataset, config, learned, root, audience)?;
+    let (rewards, facts) = label(dataset, config, root, audience, |oprl| {
+        ensemble_of(oprl, dataset, config, folder, teacher, root, audience)
+    })?;
     let report = RewardReport {
         queries: facts.queries,
         fits: facts.fits,
@@ -96,38 +92,37 @@ pub(super) fn relabel(
     folder: &RunFolder,
     audience: Audience,
 ) -> Result<Rewards, TrainError> {
-    let learned = match &config.reward {
-        RewardConfig::Oprl(_) => Some(folder.read_state(STATE).map_err(RunError::from)?),
-        _ => None,
-    };
-    let (rewards, _) = label(dataset, config, learned, Seed::root(config.seed), audience)?;
+    let held = |_: &OprlConfig| Ok(folder.read_state(STATE).map_err(RunError::from)?);
+    let (rewards, _) = label(dataset, config, Seed::root(config.seed), audience, held)?;
     Ok(rewards)
 }
 
-/// Labels the dataset with the ensemble if there is one, and as the configuration says otherwise.
+/// Labels the dataset as the configuration says; `ensemble` is called for the one reward source that needs it.
 fn label(
     dataset: &Dataset,
     config: &Config,
-    learned: Option<(ExportedEnsemble, EnsembleFacts)>,
     root: Seed,
     audience: Audience,
+    ensemble: impl FnOnce(&OprlConfig) -> Result<(ExportedEnsemble, EnsembleFacts), TrainError>,
 ) -> Result<(Rewards, EnsembleFacts), TrainError> {
-    let (ensemble, facts) = learned.unzip();
-    let raw = match (&config.reward, &ensemble) {
-        (RewardConfig::Random {}, _) => random_labels(dataset, root.child("reward/random")),
-        (RewardConfig::Oprl(_), Some(ensemble)) => {
+    let (raw, learned) = match &config.reward {
+        RewardConfig::True {} => (dataset_labels(dataset), None),
+        RewardConfig::Zero {} => (zero_labels(dataset), None),
+        RewardConfig::Random {} => (random_labels(dataset, root.child("reward/random")), None),
+        RewardConfig::Oprl(oprl) => {
+            let (ensemble, facts) = ensemble(oprl)?;
             audience.note("label the dataset with the ensemble");
-            ensemble
+            let raw = ensemble
                 .view(RewardRange {
                     low: 0.0,
                     high: 1.0,
                 })
                 .and_then(|view| ensemble_labels(dataset, &view))
-                .map_err(ExportError::from)?
+                .map_err(ExportError::from)?;
+            (raw, Some((ensemble, facts)))
         }
-        (RewardConfig::Zero {}, _) => zero_labels(dataset),
-        _ => dataset_labels(dataset),
     };
+    let (ensemble, facts) = learned.unzip();
     let labels = if config.unit_rewards {
         Labels::unit(raw)
     } else {
@@ -172,7 +167,7 @@ fn ensemble_of(
         }
     }
     let mut log =
-        PreferenceLog::open(folder.file("preferences.jsonl"), dataset).map_err(LearnError::from)?;
+        PreferenceLog::open(folder.file(PREFERENCES), dataset).map_err(LearnError::from)?;
     if let Some(recovered) = log.recovered() {
         audience.note(&format!(
             "the preference log had a torn last line; {} answers are kept",

@@ -117,8 +117,8 @@ pub fn finish(command: &mut Command) -> Ended {
     }
 }
 
-/// Starts a command and waits until it has come far enough, or has ended. What it does meanwhile is up to the machine, and
-/// so is how far beyond `reached` it is when it is caught: no assertion depends on either.
+/// Starts a command and waits until it has come far enough, or has ended. How far beyond `reached` it is when it is caught
+/// is up to the machine. A test that needs it caught at work leaves it seconds of work, thousands of looks, beyond that.
 pub fn start_until(command: &mut Command, reached: impl Fn() -> bool) -> Child {
     let mut child = command
         .stdout(Stdio::null())

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::command::{Desk, assert_same_outcome, finish};
+use crate::command::{Desk, assert_same_outcome, finish, outcome};
 
 /// A finished run with its ten answers.
 fn answered() -> (Desk, String) {
@@ -97,4 +97,39 @@ fn too_few_answers_are_counted() {
     finish(train.args(["--preferences", "answers.jsonl"]))
         .with(3)
         .telling("has 9 answers and question 10 was asked");
+}
+
+#[test]
+fn answers_of_a_file_are_not_ignored_for_those_that_the_folder_holds() {
+    let (desk, log) = answered();
+    let third = log.lines().nth(2).unwrap();
+    let turned = match third.contains("\"answer\":1,") {
+        true => third.replace("\"answer\":1,", "\"answer\":0,"),
+        false => third.replace("\"answer\":0,", "\"answer\":1,"),
+    };
+    let turned = log.replace(third, &turned);
+    assert_ne!(turned, log);
+    let nine: String = log.split_inclusive('\n').take(9).collect();
+    let four: String = log.split_inclusive('\n').take(4).collect();
+    fs::create_dir(desk.run("second")).unwrap();
+    fs::write(desk.run("second").join("preferences.jsonl"), four).unwrap();
+    let train = |out: &str, text: &str| {
+        fs::write(desk.run("answers.jsonl"), text).unwrap();
+        let mut train = desk.train(out, "oprl-i+ted", &[]);
+        finish(train.args(["--preferences", "answers.jsonl"]))
+    };
+    let before = outcome(&desk.run("first"));
+    // A finished run, one that was begun, and a file that has the same answers but not all of them.
+    for (out, text, number) in [
+        ("first", &turned, 3),
+        ("second", &turned, 3),
+        ("first", &nine, 10),
+    ] {
+        train(out, text)
+            .with(2)
+            .telling(&format!("{out} holds another run"))
+            .telling(&format!("its answer {number} is not one of answers.jsonl"));
+    }
+    train("first", &log).with(0);
+    assert!(outcome(&desk.run("first")) == before);
 }

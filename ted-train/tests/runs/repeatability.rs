@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ted_policy::{Artifact, ArtifactBytes};
 
-use crate::command::{Desk, assert_same_outcome, checkpoints, finish};
+use crate::command::{Desk, assert_same_outcome, checkpoints, finish, ted};
 
 #[test]
 fn the_number_of_threads_does_not_show_in_any_byte() {
@@ -95,4 +95,19 @@ fn the_artefact_says_where_it_comes_from_and_replays_its_golden_vectors() {
     );
     assert_eq!(artifact.contract().task, "reach-v3");
     assert!(artifact.reward().is_some() && artifact.ted().is_some());
+}
+
+#[test]
+fn what_flies_is_what_was_trained_with_rewards_that_a_controller_can_repeat_and_without() {
+    let desk = Desk::with_dataset();
+    for unit in ["true", "false"] {
+        let set = format!("unit_rewards={unit}");
+        finish(&mut desk.train(unit, "oprl-i+ted", &[&set])).with(0);
+        let checked = ["crosscheck", unit, "--episodes", "0"];
+        finish(ted().current_dir(desk.folder.path()).args(checked)).with(0);
+        let bytes = ArtifactBytes::read(desk.run(unit).join("policy.ted")).unwrap();
+        let artifact = Artifact::parse(&bytes).unwrap();
+        let parts = (artifact.reward().is_some(), artifact.ted().is_some());
+        assert_eq!(parts, (unit == "true", unit == "true"));
+    }
 }
