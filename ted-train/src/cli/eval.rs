@@ -12,7 +12,7 @@ use ted_policy::{Artifact, ArtifactBytes};
 use crate::config::Config;
 use crate::evaluate::{EpisodeFault, EvaluateError, Evaluation, evaluate};
 use crate::replay::{Replayed, replay};
-use crate::run::RunFolder;
+use crate::run::{EVALUATION, RunFolder};
 
 use super::collect::workers;
 use super::failures::end;
@@ -86,6 +86,11 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         args.output.audience(),
     )
     .map_err(end)?;
+    // A run that was never flown is from now on.
+    let of_the_run = args.task.is_none() && report.seed == config.seed;
+    if of_the_run && !folder.file(EVALUATION).exists() {
+        folder.write_json(EVALUATION, &report).map_err(end)?;
+    }
     args.output.print(&report, || text(&report))?;
     verdict(report.faulted, report.returns.len())
 }

@@ -1,18 +1,20 @@
 //! `ted train`: a dataset and ten answers in, an artefact out.
 
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
+use firmware_sim::tasks;
+use serde::Serialize;
 
 use crate::config::{Overrides, Preset};
 use crate::dataset::Dataset;
 use crate::evaluate::evaluate_once;
 use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
-use crate::train::train;
+use crate::train::{check, train};
 
 use super::collect::workers;
 use super::eval::text;
@@ -77,42 +79,68 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         digest: dataset.digest().to_owned(),
         path,
     };
+    // Nothing is begun that cannot be ended.
+    check(&dataset, &config).map_err(end)?;
+    let answers = match &args.preferences {
+        Some(log) => Some(ReplayTeacher::open(log, &dataset).map_err(end)?),
+        None => None,
+    };
     let task = dataset.task().unwrap_or("unknown");
     let out = args
         .out
         .clone()
         .unwrap_or_else(|| run_folder(task, config.preset.name(), config.seed));
     let folder = RunFolder::begin(&out, &config, &reference).map_err(end)?;
-    let mut teacher: Box<dyn Teacher> = match &args.preferences {
-        Some(log) => Box::new(replay(log, &folder, &dataset)?),
+    let mut teacher: Box<dyn Teacher> = match answers {
+        Some(answers) => {
+            same_answers(&answers, &folder, &dataset)?;
+            Box::new(answers)
+        }
         None => Box::new(ScriptedTeacher::new(0.0).map_err(end)?),
     };
     train(&dataset, &config, &folder, teacher.as_mut(), audience).map_err(end)?;
     audience.note(&format!("wrote {}", folder.artefact_path().display()));
 
     let episodes = config.schedule.evaluation_episodes;
-    if episodes == 0 {
-        return args.output.print(&folder.artefact_path(), || {
-            folder.artefact_path().display().to_string()
-        });
+    let simulated = tasks::single(task).is_ok();
+    if episodes > 0 && !simulated {
+        audience.note("not flown: the dataset is of no Meta-World task");
+    }
+    if episodes == 0 || !simulated {
+        let trained = Trained {
+            artefact: folder.artefact_path(),
+        };
+        return args
+            .output
+            .print(&trained, || trained.artefact.display().to_string());
     }
     let workers = workers(args.workers);
     let report = evaluate_once(&folder, episodes, config.seed, workers, audience).map_err(end)?;
     args.output.print(&report, || text(&report))
 }
 
-/// A teacher that answers from this file, for a folder that holds no answers of anybody else.
-fn replay(log: &Path, folder: &RunFolder, dataset: &Dataset) -> Result<ReplayTeacher, Failure> {
-    let teacher = ReplayTeacher::open(log, dataset).map_err(end)?;
+/// What a run without an evaluation has to say.
+#[derive(Debug, Serialize)]
+struct Trained {
+    artefact: PathBuf,
+}
+
+/// Refuses to go on in a folder that holds answers of anybody else.
+fn same_answers(
+    answers: &ReplayTeacher,
+    folder: &RunFolder,
+    dataset: &Dataset,
+) -> Result<(), Failure> {
     let held = folder.file(PREFERENCES);
-    if held.exists() {
-        let held = PreferenceLog::read(&held, dataset).map_err(end)?;
-        if let Some(number) = teacher.first_other_answer(&held) {
-            let log = log.display();
-            return Err(end(
-                folder.other(format!("its answer {number} is not one of {log}"))
-            ));
+    if !held.exists() {
+        return Ok(());
+    }
+    let held = PreferenceLog::read(&held, dataset).map_err(end)?;
+    match answers.first_other_answer(&held) {
+        None => Ok(()),
+        Some(number) => {
+            let difference = format!("its answer {number} is not one of the file of answers");
+            Err(end(folder.other(difference)))
         }
     }
-    Ok(teacher)
 }

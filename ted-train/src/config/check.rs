@@ -32,34 +32,34 @@ impl Config {
 fn discount(config: &DiscountConfig) -> Result<(), ConfigError> {
     let share = |field, value: f32| {
         let value = as_written(value);
-        within(field, value, (0.0..=1.0).contains(&value), "[0, 1]")
+        within(field, value, (0.0..=1.0).contains(&value), "in [0, 1]")
     };
     match *config {
         DiscountConfig::Constant { gamma } => share("discount.gamma", gamma),
         DiscountConfig::Ted { gamma, k, sigma } => {
             share("discount.gamma", gamma)?;
             share("discount.sigma", sigma)?;
-            within("discount.k", k, (0.0..=100.0).contains(&k), "[0, 100]")
+            within("discount.k", k, (0.0..=100.0).contains(&k), "in [0, 100]")
         }
     }
 }
 
 fn iql(config: &IqlConfig) -> Result<(), ConfigError> {
     let IqlConfig { tau, beta, .. } = *config;
-    within("iql.tau", tau, tau > 0.0 && tau < 1.0, "(0, 1)")?;
+    within("iql.tau", tau, tau > 0.0 && tau < 1.0, "in (0, 1)")?;
     let holds = beta >= 0.0 && beta.is_finite();
-    within("iql.beta", beta, holds, "[0, inf)")?;
+    within("iql.beta", beta, holds, "in [0, inf)")?;
     at_least_one("iql.steps", config.steps as f64)?;
     at_least_one("iql.batch", config.batch as f64)?;
     let rate = config.target_rate;
     let holds = rate > 0.0 && rate <= 1.0;
-    within("iql.target_rate", rate, holds, "(0, 1]")?;
+    within("iql.target_rate", rate, holds, "in (0, 1]")?;
     positive("iql.learning_rate", config.learning_rate)?;
     positive("iql.advantage_clip", config.advantage_clip)?;
     let [low, high] = config.log_std;
-    within("iql.log_std[1]", high, high.is_finite(), "(-inf, inf)")?;
+    within("iql.log_std[1]", high, high.is_finite(), "in (-inf, inf)")?;
     let holds = low.is_finite() && low <= high;
-    within("iql.log_std[0]", low, holds, "(-inf, iql.log_std[1]]")?;
+    within("iql.log_std[0]", low, holds, "in (-inf, iql.log_std[1]]")?;
     let fields = ["iql.adam.beta1", "iql.adam.beta2", "iql.adam.epsilon"];
     adam(fields, config.adam)?;
     widths("iql.hidden", &config.hidden)
@@ -87,7 +87,7 @@ fn oprl(config: &OprlConfig) -> Result<(), ConfigError> {
 
 fn adam(fields: [&'static str; 3], adam: Adam) -> Result<(), ConfigError> {
     let [beta1, beta2, epsilon] = fields;
-    let decay = |field, value| within(field, value, (0.0..1.0).contains(&value), "[0, 1)");
+    let decay = |field, value| within(field, value, (0.0..1.0).contains(&value), "in [0, 1)");
     decay(beta1, adam.beta1)?;
     decay(beta2, adam.beta2)?;
     // Where every gradient was zero, the step is divided by it.
@@ -99,13 +99,18 @@ fn at_least_one(field: &'static str, value: f64) -> Result<(), ConfigError> {
 }
 
 fn positive(field: &'static str, value: f64) -> Result<(), ConfigError> {
-    within(field, value, value > 0.0 && value.is_finite(), "(0, inf)")
+    within(
+        field,
+        value,
+        value > 0.0 && value.is_finite(),
+        "in (0, inf)",
+    )
 }
 
 /// What single precision can divide by.
 fn small(field: &'static str, value: f64) -> Result<(), ConfigError> {
     let holds = (1e-30..f64::INFINITY).contains(&value);
-    within(field, value, holds, "[1e-30, inf)")
+    within(field, value, holds, "in [1e-30, inf)")
 }
 
 fn within(

@@ -42,7 +42,7 @@ pub enum ConfigError {
         argument: String,
     },
     /// A number outside its range.
-    #[error("{field} is {value}, but must be in {range}")]
+    #[error("{field} is {value}, but must be {range}")]
     OutOfRange {
         /// Dotted path of the field.
         field: &'static str,

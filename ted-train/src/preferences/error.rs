@@ -86,8 +86,8 @@ pub enum PreferenceError {
     },
     /// Another question than the one in the log at this place.
     #[error(
-        "question {number} is not the one in the log: asked about {asked}, logged {logged}; the log belongs to another seed or \
-         configuration, so use a new one or the configuration it was made with"
+        "question {number} is not the one in the log: asked about {asked}, logged {logged}; either the log belongs to another seed \
+         or configuration, or an answer before it was changed: then put the question asked now into line {number} and answer it"
     )]
     OtherQuestion {
         /// Its number, counted from 1.

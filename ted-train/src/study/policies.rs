@@ -5,10 +5,12 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::thread;
+use std::time::Duration;
 
 use firmware_sim::interrupt;
 use firmware_sim::progress::Progress;
@@ -19,6 +21,9 @@ use crate::evaluate::Evaluation;
 use crate::run::{EVALUATION, RunError, RunFolder};
 use crate::train::RewardReport;
 use firmware_sim::disk::{self, WriteError};
+
+/// Between two looks at a run that is under way.
+const WATCH_PERIOD: Duration = Duration::from_millis(200);
 
 /// One run of the study.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,12 +67,12 @@ pub enum StudyError {
     #[error("cannot start `ted train`: {0}")]
     Start(std::io::Error),
     /// Runs that failed; the others were finished.
-    #[error("{count} of the runs failed; the first one's last words are in {log}")]
+    #[error("{count} of the runs failed; of the first one, {first}")]
     Failed {
         /// How many.
         count: usize,
-        /// Where the first one says why.
-        log: PathBuf,
+        /// Why the first one did, or where it says so.
+        first: String,
     },
     /// Somebody asked to stop.
     #[error("stopped; the same command goes on from there")]
@@ -116,8 +121,14 @@ pub fn fill(
                     };
                     match one(&program, out, run, sets) {
                         Ok(true) => progress.advance(1),
-                        Ok(false) => push(&failures, log_path(out, run)),
-                        Err(error) => push(&failures, PathBuf::from(error.to_string())),
+                        Ok(false) => {
+                            let log = log_path(out, run);
+                            push(
+                                &failures,
+                                format!("the last words are in {}", log.display()),
+                            );
+                        }
+                        Err(error) => push(&failures, error.to_string()),
                     }
                 }
             });
@@ -129,16 +140,16 @@ pub fn fill(
     let failures = failures.into_inner().unwrap_or_default();
     match failures.first() {
         None => Ok(()),
-        Some(log) => Err(StudyError::Failed {
+        Some(first) => Err(StudyError::Failed {
             count: failures.len(),
-            log: log.clone(),
+            first: first.clone(),
         }),
     }
 }
 
-fn push(failures: &Mutex<Vec<PathBuf>>, log: PathBuf) {
+fn push(failures: &Mutex<Vec<String>>, failure: String) {
     if let Ok(mut failures) = failures.lock() {
-        failures.push(log);
+        failures.push(failure);
     }
 }
 
@@ -150,7 +161,7 @@ fn one(program: &Path, out: &Path, run: &PolicyRun, sets: &[String]) -> std::io:
     }
     std::fs::create_dir_all(&folder)?;
     let log = File::create(log_path(out, run))?;
-    let status = Command::new(program)
+    let mut child = Command::new(program)
         .arg("train")
         .arg(&run.dataset)
         .args([
@@ -168,8 +179,20 @@ fn one(program: &Path, out: &Path, run: &PolicyRun, sets: &[String]) -> std::io:
         .stdin(Stdio::null())
         .stdout(log.try_clone()?)
         .stderr(log)
-        .status()?;
-    Ok(status.success())
+        // A Ctrl-C at the terminal reaches this process alone, which passes it on, or the child would count it twice.
+        .process_group(0)
+        .spawn()?;
+    let mut asked = false;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status.success());
+        }
+        if interrupt::requested() && !asked {
+            interrupt::pass_on(&child)?;
+            asked = true;
+        }
+        thread::park_timeout(WATCH_PERIOD);
+    }
 }
 
 fn run_path(out: &Path, run: &PolicyRun) -> PathBuf {

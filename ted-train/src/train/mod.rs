@@ -13,9 +13,10 @@ use std::path::PathBuf;
 use firmware_sim::progress::Audience;
 
 use crate::config::Config;
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, SegmentSampler};
 use crate::export::{ContractText, ExportError};
 use crate::preferences::Teacher;
+use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
 use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
@@ -69,13 +70,27 @@ pub enum TrainError {
     },
 }
 
+/// Whether this configuration can be trained on this dataset, before anything is begun.
+///
+/// # Errors
+/// When no controller could fly a policy for the dataset, or it has no segment as long as the questions ask for.
+pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
+    ContractText::new(dataset)
+        .contract()
+        .map_err(ExportError::from)?;
+    if let RewardConfig::Oprl(oprl) = &config.reward {
+        SegmentSampler::new(dataset, oprl.segment).map_err(LearnError::from)?;
+    }
+    Ok(())
+}
+
 /// Runs the phases in order. A reward that the folder holds is not learned again, and the policy goes on from the newest
 /// checkpoint; labels, discounts and the artefact are always made again, which takes seconds. The result is a function of
 /// the configuration, the dataset and the answers.
 ///
 /// # Errors
-/// When no controller could fly a policy for this dataset, which is told before anything is learned, and when a phase
-/// fails or is interrupted; what was finished is kept and the same call goes on.
+/// When [`check`] does, before anything is learned, and when a phase fails or is interrupted; what was finished is kept and
+/// the same call goes on.
 pub fn train(
     dataset: &Dataset,
     config: &Config,
@@ -83,9 +98,7 @@ pub fn train(
     teacher: &mut dyn Teacher,
     audience: Audience,
 ) -> Result<(), TrainError> {
-    ContractText::new(dataset)
-        .contract()
-        .map_err(ExportError::from)?;
+    check(dataset, config)?;
     let root = Seed::root(config.seed);
 
     // Phase 1 and 2: a reward for each transition.
