@@ -241,7 +241,7 @@ impl RunFolder {
         }
         match std::fs::remove_file(&evaluation) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(WriteError::at(&evaluation, error));
+                Err(WriteError::at(&evaluation, error))
             }
             _ => disk::replace(&artefact, bytes),
         }
