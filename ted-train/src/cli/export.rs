@@ -56,9 +56,11 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let bytes = finished.artefact(&dataset).map_err(end)?;
     let file = args.out.clone().unwrap_or_else(|| folder.artefact_path());
     let unchanged = std::fs::read(&file).is_ok_and(|held| held == bytes);
-    if !unchanged {
-        disk::replace(&file, &bytes).map_err(end)?;
+    match &args.out {
+        Some(file) => disk::replace(file, &bytes),
+        None => folder.write_artefact(&bytes),
     }
+    .map_err(end)?;
     let aligned = ArtifactBytes::from_vec(bytes);
     let artifact = Artifact::parse(&aligned)
         .map_err(|error| end(ExportError::Write(ted_policy::WriteError::Refused(error))))?;

@@ -57,7 +57,7 @@ fn episode(job: &EpisodeJob) -> Episode {
     const STEPS: usize = 3;
     let number = |at: usize| (job.seed % 1000) as f64 / 1000.0 + at as f64 * job.behaviour.epsilon;
     let floats = |count: usize| (0..count).map(number).collect::<Vec<f64>>();
-    let narrow = |count: usize| {
+    let narrow = |count: usize| -> Vec<f32> {
         floats(count)
             .into_iter()
             .map(|value| value as f32)
@@ -75,7 +75,7 @@ fn episode(job: &EpisodeJob) -> Episode {
             horizon: EPISODE_STEPS,
         },
         observations: narrow(rows * 39),
-        actions: narrow(STEPS * 4),
+        actions: narrow(STEPS * 4).into_iter().map(f32::fract).collect(),
         rewards: floats(STEPS),
         success: vec![false, false, job.behaviour.epsilon == 0.0],
         terminations: vec![false; STEPS],

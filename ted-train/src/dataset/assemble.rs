@@ -2,7 +2,7 @@
 
 use super::digest::{EpisodeArrays, combine};
 use super::in_memory::{Dataset, Episode};
-use super::record::check_finite;
+use super::record::check_values;
 use super::{DatasetError, EpisodeRecord, Shape};
 use rayon::prelude::*;
 
@@ -142,20 +142,8 @@ fn finish(
     for (narrow, &reward) in rewards_f32.iter_mut().zip(&filled.rewards) {
         *narrow = reward as f32;
     }
-    let finite = |array, width, values: &[f32]| {
-        check_finite(&filled.place, array, width, values.iter().copied())
-    };
-    finite("observations", shape.observation, slots.observations)?;
-    finite("actions", shape.action, slots.actions)?;
-    finite("rewards", 1, rewards_f32)?;
-    if let Some(index) = slots.actions.iter().position(|action| action.abs() > 1.0) {
-        return Err(DatasetError::ActionRange {
-            place: filled.place.clone(),
-            row: index / shape.action,
-            column: index % shape.action,
-            value: slots.actions[index],
-        });
-    }
+    let (observations, actions) = (&*slots.observations, &*slots.actions);
+    check_values(&filled.place, shape, observations, actions, rewards_f32)?;
     let hash = EpisodeArrays {
         observations: slots.observations,
         actions: slots.actions,

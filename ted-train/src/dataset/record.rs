@@ -97,37 +97,41 @@ impl EpisodeRecord {
                 });
             }
         }
-        let rewards = self.rewards.iter().map(|&reward| reward as f32);
-        check_finite(
-            place,
-            "observations",
-            shape.observation,
-            self.observations.iter().copied(),
-        )?;
-        check_finite(place, "actions", shape.action, self.actions.iter().copied())?;
-        check_finite(place, "rewards", 1, rewards)
+        let rewards: Vec<f32> = self.rewards.iter().map(|&reward| reward as f32).collect();
+        check_values(place, shape, &self.observations, &self.actions, &rewards)
     }
 }
 
-/// Refuses a NaN or an infinity in an array of rows of `width` values.
-pub(super) fn check_finite(
+/// Refuses what nothing can be learned from: a NaN or an infinity, and an action outside [-1, 1]. The arrays are row-major.
+pub(super) fn check_values(
     place: &str,
-    array: &'static str,
-    width: usize,
-    values: impl IntoIterator<Item = f32>,
+    shape: Shape,
+    observations: &[f32],
+    actions: &[f32],
+    rewards: &[f32],
 ) -> Result<(), DatasetError> {
-    match values
-        .into_iter()
-        .enumerate()
-        .find(|(_, value)| !value.is_finite())
-    {
+    for (array, width, values) in [
+        ("observations", shape.observation, observations),
+        ("actions", shape.action, actions),
+        ("rewards", 1, rewards),
+    ] {
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return Err(DatasetError::NotFinite {
+                place: place.into(),
+                array,
+                row: index / width,
+                column: index % width,
+                value: f64::from(values[index]),
+            });
+        }
+    }
+    match actions.iter().position(|action| action.abs() > 1.0) {
         None => Ok(()),
-        Some((index, value)) => Err(DatasetError::NotFinite {
+        Some(index) => Err(DatasetError::ActionRange {
             place: place.into(),
-            array,
-            row: index / width,
-            column: index % width,
-            value: f64::from(value),
+            row: index / shape.action,
+            column: index % shape.action,
+            value: actions[index],
         }),
     }
 }
