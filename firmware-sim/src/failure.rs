@@ -3,8 +3,8 @@
 use std::fmt::Display;
 
 use crate::exit::ExitCode;
-use crate::output::tell;
 use crate::plant::PlantError;
+use crate::progress::tell;
 use crate::rollout::FlyError;
 
 /// What went wrong, and what kind of thing that is.

@@ -9,11 +9,6 @@ use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::progress::Audience;
 
-/// Says a line on standard error. When nobody reads it any more the work still goes on.
-pub fn tell(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
 /// The options that every command has.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct OutputArgs {

@@ -1,15 +1,18 @@
 //! How far long work has come: a bar for a person, plain lines for a log, nothing for a machine.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::output::tell;
-
 /// Between two plain lines when standard error is not a terminal.
 const LINE_PERIOD: Duration = Duration::from_secs(10);
+
+/// Says a line on standard error. When nobody reads it any more the work still goes on.
+pub fn tell(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
 
 /// Who is looking, which decides what progress looks like. Everything goes to standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
