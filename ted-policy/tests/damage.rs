@@ -4,9 +4,9 @@
 mod support;
 
 use proptest::prelude::*;
-use support::{array_at, field, full_bytes, metadata, resealed};
+use support::{array_at, field, full_bytes, metadata, minimal, resealed};
 use ted_core::Scratch;
-use ted_policy::{Artifact, ArtifactBytes, ArtifactError, HEADER_LENGTH, MAGIC, Place};
+use ted_policy::{Artifact, ArtifactBytes, ArtifactError, HEADER_LENGTH, MAGIC, Place, write};
 
 fn refusal(bytes: &[u8]) -> ArtifactError {
     Artifact::parse(bytes)
@@ -141,6 +141,27 @@ fn metadata_that_goes_on_after_its_last_field_is_refused() {
         }
         other => panic!("{other}"),
     }
+}
+
+#[test]
+fn a_network_with_more_layers_than_there_is_room_for_is_refused_with_that_reason() {
+    let bytes = write(&minimal()).unwrap();
+    let widths = [2, 1, 1, 0, 0, 0, 1];
+    let at = metadata(&bytes).start
+        + bytes[metadata(&bytes)]
+            .windows(widths.len())
+            .rposition(|seven| seven == widths)
+            .unwrap();
+    // Five layers of width 1. The metadata grows by four bytes into its padding.
+    let bytes = resealed(&bytes, |bytes| {
+        let length = field(bytes, 24) + 4;
+        bytes[24..28].copy_from_slice(&length.to_le_bytes());
+        bytes.splice(at..at + 3, [6, 1, 1, 1, 1, 1, 1]);
+        bytes.drain(0x30 + length as usize..0x30 + length as usize + 4);
+    });
+    let refused = refusal(&bytes);
+    assert_eq!(refused, ArtifactError::Metadata);
+    assert!(refused.to_string().contains("room"), "{refused}");
 }
 
 #[test]
