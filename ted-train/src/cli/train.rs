@@ -1,7 +1,7 @@
 //! `ted train`: a dataset and ten answers in, an artefact out.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firmware_sim::failure::Failure;
@@ -82,7 +82,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     // Nothing is begun that cannot be ended.
     check(&dataset, &config).map_err(end)?;
     let answers = match &args.preferences {
-        Some(log) => Some(ReplayTeacher::open(log, &dataset).map_err(end)?),
+        Some(log) => Some((log, ReplayTeacher::open(log, &dataset).map_err(end)?)),
         None => None,
     };
     let task = dataset.task().unwrap_or("unknown");
@@ -92,8 +92,8 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         .unwrap_or_else(|| run_folder(task, config.preset.name(), config.seed));
     let folder = RunFolder::begin(&out, &config, &reference).map_err(end)?;
     let mut teacher: Box<dyn Teacher> = match answers {
-        Some(answers) => {
-            same_answers(&answers, &folder, &dataset)?;
+        Some((log, answers)) => {
+            same_answers(&answers, log, &folder, &dataset)?;
             Box::new(answers)
         }
         None => Box::new(ScriptedTeacher::new(0.0).map_err(end)?),
@@ -128,6 +128,7 @@ struct Trained {
 /// Refuses to go on in a folder that holds answers of anybody else.
 fn same_answers(
     answers: &ReplayTeacher,
+    log: &Path,
     folder: &RunFolder,
     dataset: &Dataset,
 ) -> Result<(), Failure> {
@@ -139,7 +140,7 @@ fn same_answers(
     match answers.first_other_answer(&held) {
         None => Ok(()),
         Some(number) => {
-            let difference = format!("its answer {number} is not one of the file of answers");
+            let difference = format!("its answer {number} is not one of {}", log.display());
             Err(end(folder.other(difference)))
         }
     }
