@@ -4,12 +4,18 @@ use heapless::Vec;
 
 use super::dense::IntegerDense;
 use super::error::IntegerError;
+use super::kernel::dense;
+use super::scratch::IntegerScratch;
+use super::tanh::tanh_q15;
 use crate::error::{Part, ShapeError};
-use crate::limits::{MAX_ACTION, MAX_LAYERS, MAX_OBSERVATION};
+use crate::limits::{MAX_ACTION, MAX_LAYERS, MAX_OBSERVATION, MAX_WIDTH};
 use crate::mlp::Output;
 
 /// Most fraction bits of a 16-bit activation.
 pub const MAX_FRACTION_BITS: u8 = 15;
+
+/// Fraction bits of a number in [-1, 1].
+pub const Q15: u8 = 15;
 
 /// A network in integers whose layers are proved to chain. Hidden layers are ReLU.
 #[derive(Clone, Debug)]
@@ -62,6 +68,48 @@ impl<'a> IntegerMlp<'a> {
     pub fn outputs(&self) -> usize {
         self.layers.last().map_or(0, IntegerDense::outputs)
     }
+
+    /// Runs the layers on one input: ReLU after all but the last, and nothing after that.
+    fn run(
+        &self,
+        x: &[i16],
+        scratch: &mut IntegerScratch,
+        out: &mut [i16],
+    ) -> Result<(), ShapeError> {
+        ShapeError::same(Part::Input, self.inputs(), x.len())?;
+        ShapeError::same(Part::Output, self.outputs(), out.len())?;
+        let Some((last, hidden)) = self.layers.split_last() else {
+            return Err(ShapeError::Empty { part: Part::Layers });
+        };
+        let (mut read, mut write) = (&mut scratch.ping[..], &mut scratch.pong[..]);
+        let mut width = None;
+        for layer in hidden {
+            let input = match width {
+                None => x,
+                Some(width) => within(read.get(..width), width)?,
+            };
+            let outputs = layer.outputs();
+            let output = within(write.get_mut(..outputs), outputs)?;
+            dense(layer, input, output, |y| y.max(0));
+            width = Some(outputs);
+            core::mem::swap(&mut read, &mut write);
+        }
+        let input = match width {
+            None => x,
+            Some(width) => within(read.get(..width), width)?,
+        };
+        dense(last, input, out, |y| y);
+        Ok(())
+    }
+}
+
+/// A part of a buffer that every layer fits in.
+fn within<T>(part: Option<T>, width: usize) -> Result<T, ShapeError> {
+    part.ok_or(ShapeError::TooLarge {
+        part: Part::Outputs,
+        limit: MAX_WIDTH,
+        actual: width,
+    })
 }
 
 /// A policy in integers: it reads the standardised observation and writes the action, both as 16-bit fixed point.
@@ -118,6 +166,34 @@ impl<'a> IntegerPolicy<'a> {
     #[must_use]
     pub fn mlp(&self) -> &IntegerMlp<'a> {
         &self.mlp
+    }
+
+    /// Fraction bits of an action: [`Q15`] of a policy that ends in a tanh, otherwise those of the last layer.
+    #[must_use]
+    pub fn action_fraction_bits(&self) -> u8 {
+        match self.mlp.output {
+            Output::Linear => self.output_fraction_bits,
+            Output::Tanh => Q15,
+        }
+    }
+
+    /// Computes the action for one standardised observation, both in fixed point. No value of the observation makes it fail.
+    ///
+    /// # Errors
+    /// When `obs_fixed` or `action_fixed` has another length than the policy.
+    pub fn act(
+        &self,
+        obs_fixed: &[i16],
+        scratch: &mut IntegerScratch,
+        action_fixed: &mut [i16],
+    ) -> Result<(), ShapeError> {
+        self.mlp.run(obs_fixed, scratch, action_fixed)?;
+        if self.mlp.output == Output::Tanh {
+            for y in action_fixed {
+                *y = tanh_q15(*y, self.output_fraction_bits);
+            }
+        }
+        Ok(())
     }
 }
 
