@@ -77,7 +77,7 @@ pub const GROUPS: [(&str, &[&str]); 2] = [("example10", &EXAMPLE_10), ("all", &A
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum TaskError {
     /// It is neither a task nor a group.
-    #[error("there is no task {name:?}{}; a task is one of the 50 of Meta-World v3, or a group: example10, all", near(.suggestions))]
+    #[error("there is no task {name:?}{}: a task is one of the 50 of Meta-World v3, or a group: example10, all", near(.suggestions))]
     Unknown {
         /// What was asked for.
         name: String,
@@ -177,7 +177,7 @@ fn distance(a: &str, b: &str) -> usize {
 fn near(suggestions: &[&str]) -> String {
     match suggestions {
         [] => String::new(),
-        names => format!(", did you mean {}?", names.join(" or ")),
+        names => format!(" (did you mean {}?)", names.join(" or ")),
     }
 }
 

@@ -130,9 +130,9 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
             }));
         }
     }
-    if args.table {
-        policies::check(&args.out, &runs, &args.sets).map_err(end)?;
-    } else {
+    // A mistake is told before anything is begun.
+    policies::check(&args.out, &runs, &args.sets).map_err(end)?;
+    if !args.table {
         let progress = args
             .output
             .audience()

@@ -33,10 +33,10 @@ pub enum ConfigError {
     },
     /// A `--set` of what a run is called by.
     #[error(
-        "cannot take {field} from --set {argument:?}: use --{field}, which also names the run's folder"
+        "cannot take the {field} from --set {argument:?}: it has a flag of its own, which also names the run's folder"
     )]
     Flag {
-        /// The field, which is also the name of the flag.
+        /// The field.
         field: &'static str,
         /// The argument.
         argument: String,

@@ -98,7 +98,7 @@ pub fn check(out: &Path, runs: &[PolicyRun], sets: &[String]) -> Result<(), Stud
 /// Trains and flies what is missing, `jobs` runs at a time.
 ///
 /// # Errors
-/// When [`check`] does, before anything is trained, or when a run fails; the others are finished first.
+/// When a run fails; the others are finished first. [`check`] tells beforehand what would make all of them fail.
 pub fn fill(
     out: &Path,
     runs: &[PolicyRun],
@@ -106,8 +106,6 @@ pub fn fill(
     jobs: usize,
     progress: &Progress,
 ) -> Result<(), StudyError> {
-    // A mistake is told once and at once, not by every run.
-    check(out, runs, sets)?;
     disk::create_folder(out)?;
     let queue = Mutex::new(runs.iter());
     let failures = Mutex::new(Vec::new());
