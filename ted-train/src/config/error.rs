@@ -33,7 +33,7 @@ pub enum ConfigError {
     },
     /// A `--set` of what a run is called by.
     #[error(
-        "cannot take the {field} from --set {argument:?}: it has a flag of its own, which also names the run's folder"
+        "cannot take the {field} from --set {argument:?}: `ted train` has --{field} for it, which also names the run's folder"
     )]
     Flag {
         /// The field.
