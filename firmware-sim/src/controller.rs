@@ -3,12 +3,24 @@
 //! A controller exists only for an artefact that passed its load gate. Once a check fails, the reason is latched and
 //! the safe action goes out until someone decides otherwise.
 
+use serde::{Deserialize, Serialize};
 use ted_core::{Policy, Scratch};
 use ted_policy::{Artifact, ArtifactError};
 
 use crate::safety::{
     Action, ActionGuard, Deadline, Fault, ObservationFrame, ObservationGuard, Sent,
 };
+
+/// In which numbers a controller computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Numeric {
+    /// Single precision, as trained.
+    #[default]
+    F32,
+    /// The quantised networks: 8-bit weights, 16-bit activations.
+    Integer,
+}
 
 /// What a tick did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +60,10 @@ impl<'a> Controller<'a> {
     ///
     /// # Errors
     /// The golden vector it failed on; the artefact does not fly then.
-    pub fn load(artifact: &Artifact<'a>) -> Result<Self, ArtifactError> {
+    pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
+        if numeric == Numeric::Integer {
+            return Err(ArtifactError::NoIntegers);
+        }
         let contract = artifact.contract();
         let mut scratch = Scratch::new();
         artifact.verify_golden(&mut scratch)?;

@@ -1,6 +1,6 @@
 //! The controller, one tick at a time: what it refuses to load, what it refuses to fly on, and what it sends.
 
-use firmware_sim::controller::Controller;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plants::toy::{artifact_bytes, artifact_spec};
 use firmware_sim::safety::{Action, Fault, ObservationFrame};
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy};
@@ -14,7 +14,10 @@ fn loaded<T>(
     then: impl FnOnce(Result<Controller<'_>, ArtifactError>) -> T,
 ) -> T {
     let bytes = ArtifactBytes::from_vec(write(spec).unwrap());
-    then(Controller::load(&Artifact::parse(&bytes).unwrap()))
+    then(Controller::load(
+        &Artifact::parse(&bytes).unwrap(),
+        Numeric::F32,
+    ))
 }
 
 fn with_toy<T>(then: impl FnOnce(Controller<'_>) -> T) -> T {
@@ -333,7 +336,7 @@ fn a_machine_that_computes_other_bits_does_not_fly() {
     bytes[flipped] ^= 1;
     mend_checksum(&mut bytes);
     let bytes = ArtifactBytes::from_vec(bytes);
-    let refused = Controller::load(&Artifact::parse(&bytes).unwrap()).unwrap_err();
+    let refused = Controller::load(&Artifact::parse(&bytes).unwrap(), Numeric::F32).unwrap_err();
     assert!(
         matches!(refused, ArtifactError::GoldenMismatch { .. }),
         "{refused}"

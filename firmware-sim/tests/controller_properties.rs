@@ -1,6 +1,6 @@
 //! Whatever comes in, what goes out is finite, in range, no faster than it may be, and safe once a fault is latched.
 
-use firmware_sim::controller::Controller;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plants::toy::artifact_bytes;
 use firmware_sim::safety::ObservationFrame;
 use proptest::prelude::*;
@@ -39,7 +39,7 @@ proptest! {
     fn no_input_gets_an_unsafe_action_out(inputs in prop::collection::vec(input(), 1..40)) {
         let bytes = ArtifactBytes::from_vec(artifact_bytes().unwrap());
         let artifact = Artifact::parse(&bytes).unwrap();
-        let mut controller = Controller::load(&artifact).unwrap();
+        let mut controller = Controller::load(&artifact, Numeric::F32).unwrap();
         let channels = &artifact.contract().action;
         let (mut now_us, mut sequence, mut last, mut latched) = (0_u64, 0_u32, vec![0.0; channels.len()], None);
         for input in inputs {

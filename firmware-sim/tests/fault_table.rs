@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::{env, fs};
 
-use firmware_sim::controller::Controller;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plant::Plant;
 use firmware_sim::plants::fault::{FaultInjector, FaultPlan};
 use firmware_sim::plants::toy::{ToyPlant, artifact_bytes};
@@ -42,7 +42,7 @@ const PLANS: [&str; 14] = [
 fn every_fault_has_the_answer_in_the_table() {
     let artifact = ArtifactBytes::from_vec(artifact_bytes().unwrap());
     let artifact = Artifact::parse(&artifact).unwrap();
-    let controller = Controller::load(&artifact).unwrap();
+    let controller = Controller::load(&artifact, Numeric::F32).unwrap();
     let mut table = String::from(
         "The toy flies its policy from two seeds. A fault is injected as KIND@TICK+COUNT; from tick 8 on someone re-arms a\n\
          latched controller before every tick. `before` is the last action before the fault is due, `answer` the one sent\n\

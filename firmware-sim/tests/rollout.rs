@@ -4,6 +4,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plant::{Observed, Plant, PlantError, StepOutcome};
 use firmware_sim::plants::fault::FaultInjector;
 use firmware_sim::plants::recorder::{Recorder, Shelf};
@@ -13,7 +14,7 @@ use firmware_sim::plants::toy::{self, ToyPlant};
 use firmware_sim::rollout::{
     Flight, FlyError, Summary, episode_seed, episode_seeds, fly, fly_episode,
 };
-use firmware_sim::{controller::Controller, safety::Fault};
+use firmware_sim::safety::Fault;
 use ted_policy::{Artifact, ArtifactBytes};
 
 fn artifact_bytes() -> ArtifactBytes {
@@ -192,7 +193,7 @@ fn a_fault_ends_the_flying_and_not_the_episode() {
 #[test]
 fn a_replayed_flight_differs_by_nothing_from_its_recording() {
     let bytes = artifact_bytes();
-    let mut controller = Controller::load(&Artifact::parse(&bytes).unwrap()).unwrap();
+    let mut controller = Controller::load(&Artifact::parse(&bytes).unwrap(), Numeric::F32).unwrap();
     let seeds = episode_seeds(3, 4);
     let shelf = Shelf::default();
     let mut recorder = Recorder::new(ToyPlant::new(), shelf.clone());

@@ -48,6 +48,8 @@ impl fmt::Display for Place {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ArtifactError {
+    /// The artefact is sound, but holds no networks in integers.
+    NoIntegers,
     /// Fewer bytes than a header has.
     TooShort {
         /// Length of a header.
@@ -181,6 +183,9 @@ pub enum ArtifactError {
 impl fmt::Display for ArtifactError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NoIntegers => {
+                f.write_str("artefact holds no networks in integers: export it again with them")
+            }
             Self::TooShort { expected, actual } => {
                 write!(
                     f,

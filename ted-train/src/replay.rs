@@ -3,7 +3,7 @@
 //! Nothing is simulated and nothing moves, so this is the last look before a policy drives a robot: would a range check stop
 //! it on observations that the robot did see, and how far are its actions from the recorded ones?
 
-use firmware_sim::controller::Controller;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::interrupt;
 use firmware_sim::plants::recording::{Recording, RecordingShape};
 use firmware_sim::plants::replay::{Difference, ReplayError, ReplayPlant};
@@ -53,7 +53,7 @@ pub fn replay(
     dataset: &Dataset,
     audience: Audience,
 ) -> Result<Replayed, ReplayDatasetError> {
-    let mut controller = Controller::load(artifact).map_err(FlyError::Load)?;
+    let mut controller = Controller::load(artifact, Numeric::F32).map_err(FlyError::Load)?;
     let shape = RecordingShape {
         observation_dim: dataset.observation_dim(),
         action_dim: dataset.action_dim(),

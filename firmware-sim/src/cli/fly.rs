@@ -10,7 +10,7 @@ use ted_policy::{Artifact, ArtifactBytes};
 
 use super::report::Report;
 use crate::bridge::environment;
-use crate::controller::Controller;
+use crate::controller::{Controller, Numeric};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -241,7 +241,7 @@ fn fly_recording(args: &FlyArgs, artifact: &Artifact<'_>) -> Result<Report, Fail
     let Recordings { shape, episodes } = Recordings::read(&path).map_err(|error| bad(&error))?;
     let replay = ReplayPlant::new(shape, episodes).map_err(|error| bad(&error))?;
     let seeds: Vec<u64> = replay.seeds().collect();
-    let mut controller = Controller::load(artifact).map_err(FlyError::Load)?;
+    let mut controller = Controller::load(artifact, Numeric::F32).map_err(FlyError::Load)?;
     let mut plant = FaultInjector::new(replay, args.fault.clone(), args.seed);
     let progress = args
         .output

@@ -19,7 +19,7 @@ use std::thread;
 use ted_policy::{Artifact, ArtifactError};
 use thiserror::Error;
 
-use crate::controller::Controller;
+use crate::controller::{Controller, Numeric};
 use crate::exit::ExitCode;
 use crate::plant::{Plant, PlantError};
 use crate::splitmix::mix;
@@ -103,7 +103,7 @@ pub fn fly<P: Plant>(
     stop: impl Fn() -> bool + Sync,
     mut landed: impl FnMut(&EpisodeReport),
 ) -> Result<Flight, FlyError> {
-    let controller = Controller::load(artifact)?;
+    let controller = Controller::load(artifact, Numeric::F32)?;
     let crew = Crew {
         controller,
         make_plant,

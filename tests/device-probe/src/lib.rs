@@ -6,7 +6,7 @@
 
 use core::panic::PanicInfo;
 
-use firmware_sim::controller::Controller;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::safety::{Fault, ObservationFrame};
 use ted_core::{EpisodeReturn, MAX_ACTION, Scratch};
 use ted_policy::Artifact;
@@ -61,7 +61,7 @@ pub unsafe extern "C" fn ted_probe_fly(
 
 fn fly(artifact: &[u8], frames: &[Frame], action_env: &mut [f32]) -> Option<f32> {
     let artifact = Artifact::parse(artifact).ok()?;
-    let mut controller = Controller::load(&artifact).ok()?;
+    let mut controller = Controller::load(&artifact, Numeric::F32).ok()?;
     let (reward, discount) = (artifact.reward()?, artifact.ted()?);
     let mut scratch = Scratch::new();
     let mut episode = EpisodeReturn::new();

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use firmware_sim::controller::Controller;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plant::Plant;
 use firmware_sim::plants::recorder::{Recorder, Shelf};
 use firmware_sim::plants::recording::RecordingShape;
@@ -120,7 +120,7 @@ fn a_policy_learned_from_a_bad_pilot_flies_better_than_it_and_replays_without_a_
         control_period_us: CONTROL_PERIOD_US,
     };
     let mut replay = ReplayPlant::new(shape, shelf.take()).unwrap();
-    let mut controller = Controller::load(&artifact).unwrap();
+    let mut controller = Controller::load(&artifact, Numeric::F32).unwrap();
     for (seed, flown) in seeds.into_iter().zip(&flight.episodes) {
         let (replayed, _) = fly_episode(&mut controller, &mut replay, seed).unwrap();
         assert_eq!(replayed, *flown);
