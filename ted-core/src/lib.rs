@@ -8,6 +8,7 @@ extern crate std;
 
 pub mod activation;
 pub mod integer;
+pub mod quantised;
 pub mod reference;
 
 mod dense;

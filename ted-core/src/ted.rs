@@ -6,12 +6,27 @@ use core::fmt;
 pub const NEW_EPISODE: u32 = u32::MAX;
 
 /// The last episode of the top k %: the border of a ranking by predicted return, ties won by the earlier episode.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReturnThreshold {
+///
+/// Returns are `f32`, or `i64` where rewards are integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReturnThreshold<R = f32> {
     /// Predicted return of that episode.
-    pub return_hat: f32,
+    pub return_hat: R,
     /// Its number in the dataset.
     pub last_tied_episode: u32,
+}
+
+impl<R: PartialOrd> ReturnThreshold<R> {
+    /// The side of the border on which an episode of this predicted return lies.
+    #[must_use]
+    pub fn class(&self, return_hat: R, episode: u32) -> DiscountClass {
+        let tied = return_hat == self.return_hat;
+        if return_hat > self.return_hat || (tied && episode <= self.last_tied_episode) {
+            DiscountClass::TopK
+        } else {
+            DiscountClass::BelowTopK
+        }
+    }
 }
 
 impl ReturnThreshold {
@@ -129,14 +144,7 @@ impl TedDiscount {
     /// The side of the border on which an episode of this predicted return lies.
     #[must_use]
     pub fn class(&self, return_hat: f32, episode: u32) -> DiscountClass {
-        let tied = return_hat == self.threshold.return_hat;
-        if return_hat > self.threshold.return_hat
-            || (tied && episode <= self.threshold.last_tied_episode)
-        {
-            DiscountClass::TopK
-        } else {
-            DiscountClass::BelowTopK
-        }
+        self.threshold.class(return_hat, episode)
     }
 
     /// The discount factor of a class.
@@ -150,9 +158,11 @@ impl TedDiscount {
 }
 
 /// Running predicted return of one episode: an `f32` sum in step order, so that trainer and device get the same bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EpisodeReturn {
-    sum: f32,
+///
+/// Where rewards are integers it is an `i64`, and has room for more steps than a device will ever see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EpisodeReturn<R = f32> {
+    sum: R,
 }
 
 impl EpisodeReturn {
@@ -166,10 +176,19 @@ impl EpisodeReturn {
     pub fn push(&mut self, reward_hat: f32) {
         self.sum += reward_hat;
     }
+}
 
+impl EpisodeReturn<i64> {
+    /// Adds the predicted reward of the next step, in the ensemble's own unit.
+    pub fn push(&mut self, reward_hat: i32) {
+        self.sum = self.sum.saturating_add(i64::from(reward_hat));
+    }
+}
+
+impl<R: Copy> EpisodeReturn<R> {
     /// The sum so far.
     #[must_use]
-    pub fn return_hat(&self) -> f32 {
+    pub fn return_hat(&self) -> R {
         self.sum
     }
 }
@@ -256,6 +275,25 @@ mod tests {
             TedDiscount::new(0.9, 0.7, threshold),
             Err(DiscountError::Threshold { .. })
         ));
+    }
+
+    #[test]
+    fn returns_in_integers_are_ranked_by_the_same_rule() {
+        let border = ReturnThreshold {
+            return_hat: 1_i64 << 40,
+            last_tied_episode: 4,
+        };
+        assert_eq!(border.class(1 << 40, 4), DiscountClass::TopK);
+        assert_eq!(border.class(1 << 40, 5), DiscountClass::BelowTopK);
+        assert_eq!(
+            border.class((1 << 40) + 1, NEW_EPISODE),
+            DiscountClass::TopK
+        );
+        let mut episode = EpisodeReturn::<i64>::default();
+        for _ in 0..3 {
+            episode.push(i32::MAX);
+        }
+        assert_eq!(episode.return_hat(), 3 * i64::from(i32::MAX));
     }
 
     #[test]

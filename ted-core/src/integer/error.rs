@@ -45,6 +45,15 @@ pub enum IntegerError {
         /// What it is.
         actual: u8,
     },
+    /// A range of sums is in disorder, or wider than an `i32`.
+    Range {
+        /// Its lower end.
+        low: i32,
+        /// Its upper end.
+        high: i32,
+    },
+    /// A member of an ensemble ends in another activation than the first, so that their outputs cannot be added.
+    Unit,
 }
 
 impl From<ShapeError> for IntegerError {
@@ -78,6 +87,12 @@ impl fmt::Display for IntegerError {
             }
             Self::Shift { index, actual } => {
                 write!(f, "integer shift {index} is {actual}, not in [-31, 31]")
+            }
+            Self::Range { low, high } => {
+                write!(f, "integer rewards from {low} to {high} are no range")
+            }
+            Self::Unit => {
+                f.write_str("integer ensemble has members that end in different activations")
             }
             Self::FractionBits { limit, actual } => {
                 write!(f, "{actual} fraction bits, at most {limit} fit")

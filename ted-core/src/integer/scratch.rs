@@ -1,10 +1,17 @@
 //! Working memory of an integer forward pass, owned by the caller.
 
-use crate::limits::MAX_WIDTH;
+use crate::limits::{MAX_INPUT, MAX_WIDTH};
 
-/// Two layer outputs: one is read while the other is written. Its contents never influence a result.
+/// Buffers for one forward pass at a time. Its contents never influence a result.
 #[derive(Clone, Debug)]
 pub struct IntegerScratch {
+    pub(crate) input: [i16; MAX_INPUT],
+    pub(crate) ping_pong: IntegerPingPong,
+}
+
+/// Two layer outputs: one is read while the other is written.
+#[derive(Clone, Debug)]
+pub(crate) struct IntegerPingPong {
     pub(super) ping: [i16; MAX_WIDTH],
     pub(super) pong: [i16; MAX_WIDTH],
 }
@@ -14,8 +21,11 @@ impl IntegerScratch {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            ping: [0; MAX_WIDTH],
-            pong: [0; MAX_WIDTH],
+            input: [0; MAX_INPUT],
+            ping_pong: IntegerPingPong {
+                ping: [0; MAX_WIDTH],
+                pong: [0; MAX_WIDTH],
+            },
         }
     }
 }
