@@ -4,7 +4,9 @@
 //! the safe action goes out until someone decides otherwise.
 
 use serde::{Deserialize, Serialize};
-use ted_core::{Policy, Scratch};
+use ted_core::integer::IntegerScratch;
+use ted_core::quantised::QuantisedPolicy;
+use ted_core::{Policy, Scratch, ShapeError};
 use ted_policy::{Artifact, ArtifactError};
 
 use crate::safety::{
@@ -45,8 +47,7 @@ pub struct Status {
 /// borrowed weights.
 #[derive(Clone, Debug)]
 pub struct Controller<'a> {
-    policy: Policy<'a>,
-    scratch: Scratch,
+    policy: NumericPolicy<'a>,
     observation_guard: ObservationGuard,
     action_guard: ActionGuard,
     deadline: Deadline,
@@ -61,15 +62,9 @@ impl<'a> Controller<'a> {
     /// # Errors
     /// The golden vector it failed on; the artefact does not fly then.
     pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
-        if numeric == Numeric::Integer {
-            return Err(ArtifactError::NoIntegers);
-        }
         let contract = artifact.contract();
-        let mut scratch = Scratch::new();
-        artifact.verify_golden(&mut scratch)?;
         Ok(Self {
-            policy: artifact.policy(),
-            scratch,
+            policy: NumericPolicy::load(artifact, numeric)?,
             observation_guard: ObservationGuard::new(contract),
             action_guard: ActionGuard::new(contract),
             deadline: Deadline::new(contract.control_period_us),
@@ -127,12 +122,58 @@ impl<'a> Controller<'a> {
         self.observation_guard.check(now_us, frame)?;
         let mut action = Action::new();
         let room = action.resize(self.policy.action_dim(), 0.0);
-        let acted = self
-            .policy
-            .act(frame.values, &mut self.scratch, &mut action);
+        let acted = self.policy.act(frame.values, &mut action);
         if room.is_err() || acted.is_err() {
             return Err(Fault::PolicyRefused);
         }
         self.action_guard.send(&action)
+    }
+}
+
+/// The policy in the numbers it is flown in, with its working memory.
+#[derive(Clone, Debug)]
+enum NumericPolicy<'a> {
+    F32 {
+        policy: Policy<'a>,
+        scratch: Scratch,
+    },
+    Integer {
+        policy: QuantisedPolicy<'a>,
+        scratch: IntegerScratch,
+    },
+}
+
+impl<'a> NumericPolicy<'a> {
+    /// The policy of an artefact whose golden vectors this machine computes in these numbers.
+    fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
+        match numeric {
+            Numeric::F32 => {
+                let mut scratch = Scratch::new();
+                artifact.verify_golden(&mut scratch)?;
+                let policy = artifact.policy();
+                Ok(Self::F32 { policy, scratch })
+            }
+            Numeric::Integer => {
+                let integers = artifact.integers().ok_or(ArtifactError::NoIntegers)?;
+                let mut scratch = IntegerScratch::new();
+                artifact.verify_integer_golden(&mut scratch)?;
+                let policy = integers.policy.clone();
+                Ok(Self::Integer { policy, scratch })
+            }
+        }
+    }
+
+    fn action_dim(&self) -> usize {
+        match self {
+            Self::F32 { policy, .. } => policy.action_dim(),
+            Self::Integer { policy, .. } => policy.action_dim(),
+        }
+    }
+
+    fn act(&mut self, obs_raw: &[f32], action_unit: &mut [f32]) -> Result<(), ShapeError> {
+        match self {
+            Self::F32 { policy, scratch } => policy.act(obs_raw, scratch, action_unit),
+            Self::Integer { policy, scratch } => policy.act(obs_raw, scratch, action_unit),
+        }
     }
 }

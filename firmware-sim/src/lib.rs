@@ -27,6 +27,7 @@ pub mod progress;
 #[cfg(feature = "std")]
 pub mod rollout;
 pub mod safety;
+pub mod scorer;
 #[cfg(feature = "std")]
 mod splitmix;
 #[cfg(feature = "std")]

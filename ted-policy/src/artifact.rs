@@ -1,13 +1,14 @@
 //! A validated artefact: its existence proves that everything in it can be used.
 
-use ted_core::integer::IntegerPolicy;
+use ted_core::integer::IntegerScratch;
 use ted_core::{Policy, RewardEnsemble, Scratch, TedDiscount};
 
 use crate::arrays::Arrays;
 use crate::contract::Contract;
 use crate::envelope::Envelope;
 use crate::error::{ArtifactError, Place};
-use crate::golden::Golden;
+use crate::golden::{Golden, IntegerGolden};
+use crate::integers::{self, IntegerNetworks, Originals};
 use crate::networks;
 use crate::provenance::Provenance;
 use crate::wire::Metadata;
@@ -21,7 +22,7 @@ pub struct Artifact<'a> {
     policy: Policy<'a>,
     reward: Option<RewardEnsemble<'a>>,
     ted: Option<TedDiscount>,
-    integer_policy: Option<IntegerPolicy<'a>>,
+    integers: Option<IntegerNetworks<'a>>,
     golden: Golden<'a>,
 }
 
@@ -53,7 +54,7 @@ impl<'a> Artifact<'a> {
             policy,
             reward,
             ted,
-            integer_policy,
+            integers,
             golden_cases,
         } = metadata;
         contract.check().map_err(ArtifactError::Contract)?;
@@ -66,25 +67,18 @@ impl<'a> Artifact<'a> {
             });
         }
         let (observation_dim, action_dim) = (contract.observation.len(), contract.action.len());
-        networks::fits(&policy, Place::Policy, observation_dim, action_dim)?;
-        if let Some(integer) = &integer_policy {
-            networks::fits(
-                &integer.network,
-                Place::IntegerPolicy,
-                observation_dim,
-                action_dim,
-            )?;
-        }
+        networks::fits(&policy, observation_dim, action_dim)?;
+        let (network, ensemble) = (policy, reward);
         let mut arrays = Arrays::new(envelope)?;
 
         let normaliser = networks::normaliser(&mut arrays, observation_dim, Place::Normaliser)?;
-        let mlp = networks::mlp(&mut arrays, &policy, Place::Policy)?;
+        let mlp = networks::mlp(&mut arrays, &network, Place::Policy)?;
         let policy = Policy::new(normaliser, mlp).map_err(|error| ArtifactError::Shape {
             place: Place::Policy,
             error,
         })?;
 
-        let reward = match &reward {
+        let reward = match &ensemble {
             Some(reward) => Some(networks::reward(
                 &mut arrays,
                 reward,
@@ -94,8 +88,18 @@ impl<'a> Artifact<'a> {
             None => None,
         };
         let ted = ted.as_ref().map(networks::ted).transpose()?;
-        let integer_policy = match &integer_policy {
-            Some(integer) => Some(networks::integer_policy(&mut arrays, integer)?),
+        let integers = match &integers {
+            Some(integers) => Some(integers::read(
+                &mut arrays,
+                integers,
+                &network,
+                ensemble.as_ref(),
+                Originals {
+                    policy: &policy,
+                    reward: reward.as_ref(),
+                    ted: ted.as_ref(),
+                },
+            )?),
             None => None,
         };
         let cases = usize::from(golden_cases);
@@ -111,6 +115,16 @@ impl<'a> Artifact<'a> {
                 Some(_) => Some(arrays.take_f32(cases, Place::Golden)?),
                 None => None,
             },
+            integers: match &integers {
+                Some(integers) => Some(IntegerGolden {
+                    actions: arrays.take(cases * action_dim)?,
+                    rewards: match &integers.reward {
+                        Some(_) => Some(arrays.take(cases)?),
+                        None => None,
+                    },
+                }),
+                None => None,
+            },
         };
         arrays.finish()?;
         Ok(Self {
@@ -120,7 +134,7 @@ impl<'a> Artifact<'a> {
             policy,
             reward,
             ted,
-            integer_policy,
+            integers,
             golden,
         })
     }
@@ -161,10 +175,10 @@ impl<'a> Artifact<'a> {
         self.ted
     }
 
-    /// The policy in integers, if there is one.
+    /// The networks in integers, if they were exported too.
     #[must_use]
-    pub fn integer_policy(&self) -> Option<IntegerPolicy<'a>> {
-        self.integer_policy.clone()
+    pub fn integers(&self) -> Option<&IntegerNetworks<'a>> {
+        self.integers.as_ref()
     }
 
     /// The golden vectors.
@@ -173,12 +187,21 @@ impl<'a> Artifact<'a> {
         self.golden
     }
 
-    /// Computes every golden vector on this machine and compares the bits.
+    /// Computes every golden vector in floats on this machine and compares the bits.
     ///
     /// # Errors
     /// [`ArtifactError::GoldenMismatch`] at the first bit that differs.
     pub fn verify_golden(&self, scratch: &mut Scratch) -> Result<(), ArtifactError> {
         self.golden
             .verify(&self.policy, self.reward.as_ref(), scratch)
+    }
+
+    /// Computes every golden vector in integers on this machine and compares.
+    ///
+    /// # Errors
+    /// [`ArtifactError::GoldenMismatch`] at the first number that differs, [`ArtifactError::NoIntegers`] if there are none.
+    pub fn verify_integer_golden(&self, scratch: &mut IntegerScratch) -> Result<(), ArtifactError> {
+        let integers = self.integers().ok_or(ArtifactError::NoIntegers)?;
+        self.golden.verify_integers(integers, scratch)
     }
 }

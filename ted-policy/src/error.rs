@@ -21,8 +21,12 @@ pub enum Place {
     RewardMember(u8),
     /// The reward ensemble as a whole.
     Reward,
+    /// TED's discount.
+    Discount,
     /// The policy in integers.
     IntegerPolicy,
+    /// The reward ensemble in integers.
+    IntegerReward,
     /// The golden vectors.
     Golden,
     /// The provenance.
@@ -37,7 +41,9 @@ impl fmt::Display for Place {
             Self::RewardNormaliser => "reward normaliser",
             Self::RewardMember(member) => return write!(f, "reward member {member}"),
             Self::Reward => "reward ensemble",
+            Self::Discount => "discount",
             Self::IntegerPolicy => "integer policy",
+            Self::IntegerReward => "integer reward ensemble",
             Self::Golden => "golden vectors",
             Self::Provenance => "provenance",
         })
@@ -48,6 +54,11 @@ impl fmt::Display for Place {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ArtifactError {
+    /// There is a reward ensemble or a discount in floats but not in integers beside other integers, or the reverse.
+    IntegerPart {
+        /// Which of the two.
+        place: Place,
+    },
     /// The artefact is sound, but holds no networks in integers.
     NoIntegers,
     /// Fewer bytes than a header has.
@@ -183,6 +194,9 @@ pub enum ArtifactError {
 impl fmt::Display for ArtifactError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::IntegerPart { place } => {
+                write!(f, "{place} is there in floats or in integers, not in both")
+            }
             Self::NoIntegers => {
                 f.write_str("artefact holds no networks in integers: export it again with them")
             }

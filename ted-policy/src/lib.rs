@@ -18,10 +18,13 @@ mod digest;
 mod envelope;
 mod error;
 mod golden;
+mod integers;
 mod networks;
 mod provenance;
 mod wire;
 
+#[cfg(feature = "std")]
+mod golden_outputs;
 #[cfg(feature = "std")]
 mod load;
 #[cfg(feature = "std")]
@@ -33,9 +36,10 @@ pub use digest::{Digest, DigestError};
 pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
 pub use error::{ArtifactError, Place};
 pub use golden::{Golden, GoldenCase};
+pub use integers::IntegerNetworks;
 pub use provenance::Provenance;
 
 #[cfg(feature = "std")]
 pub use load::{ArtifactBytes, LoadError};
 #[cfg(feature = "std")]
-pub use write::{ArtifactSpec, WriteError, write};
+pub use write::{ArtifactSpec, IntegerSpec, WriteError, write};

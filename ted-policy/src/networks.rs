@@ -1,7 +1,6 @@
 //! Joins shapes from the metadata and numbers from the blob into `ted-core` types.
 
 use heapless::Vec;
-use ted_core::integer::{IntegerDense, IntegerError, IntegerMlp, IntegerPolicy};
 use ted_core::{
     Dense, MAX_LAYERS, MAX_MEMBERS, MAX_WIDTH, Mlp, Normaliser, Part, RewardEnsemble, RewardInput,
     RewardRange, ShapeError, TedDiscount,
@@ -9,17 +8,17 @@ use ted_core::{
 
 use crate::arrays::Arrays;
 use crate::error::{ArtifactError, Place};
-use crate::wire::{Integer, Network, Reward, Ted};
+use crate::wire::{Network, Reward, Ted};
 
-/// Passes when a network reads the contract's observation and writes its action.
+/// Passes when the policy reads the contract's observation and writes its action.
 ///
 /// Checked before the blob is cut, so that a wrong shape is called that and not a wrong number.
 pub(crate) fn fits(
     network: &Network,
-    place: Place,
     observation: usize,
     action: usize,
 ) -> Result<(), ArtifactError> {
+    let place = Place::Policy;
     for (part, expected, actual) in [
         (Part::Observation, observation, network.inputs()),
         (Part::Action, action, network.outputs()),
@@ -130,36 +129,8 @@ pub(crate) fn ted(ted: &Ted) -> Result<TedDiscount, ArtifactError> {
     TedDiscount::new(ted.gamma, ted.sigma, threshold).map_err(ArtifactError::Discount)
 }
 
-/// A policy in integers: weights, biases, multipliers and shifts of each layer.
-pub(crate) fn integer_policy<'a>(
-    arrays: &mut Arrays<'a>,
-    integer: &Integer,
-) -> Result<IntegerPolicy<'a>, ArtifactError> {
-    let refused = |error: ShapeError| ArtifactError::Integer(IntegerError::Shape(error));
-    let mut layers = Vec::<IntegerDense<'a>, MAX_LAYERS>::new();
-    for (inputs, outputs) in integer.network.layers() {
-        check_widths(inputs, outputs).map_err(refused)?;
-        let weights = arrays.take(inputs * outputs)?;
-        let bias = arrays.take(outputs)?;
-        let multipliers = arrays.take(outputs)?;
-        let shifts = arrays.take(outputs)?;
-        let layer = IntegerDense::new(inputs, weights, bias, multipliers, shifts)
-            .map_err(ArtifactError::Integer)?;
-        layers
-            .push(layer)
-            .map_err(|_| refused(too_many(Part::Layers, MAX_LAYERS)))?;
-    }
-    let mlp = IntegerMlp::new(&layers, integer.network.output.into()).map_err(refused)?;
-    IntegerPolicy::new(
-        integer.input_fraction_bits,
-        integer.output_fraction_bits,
-        mlp,
-    )
-    .map_err(ArtifactError::Integer)
-}
-
 /// Checked before the product is formed, so that it cannot overflow.
-fn check_widths(inputs: usize, outputs: usize) -> Result<(), ShapeError> {
+pub(crate) fn check_widths(inputs: usize, outputs: usize) -> Result<(), ShapeError> {
     for (part, actual) in [(Part::Inputs, inputs), (Part::Outputs, outputs)] {
         if actual > MAX_WIDTH {
             return Err(ShapeError::TooLarge {
@@ -172,7 +143,7 @@ fn check_widths(inputs: usize, outputs: usize) -> Result<(), ShapeError> {
     Ok(())
 }
 
-fn too_many(part: Part, limit: usize) -> ShapeError {
+pub(crate) fn too_many(part: Part, limit: usize) -> ShapeError {
     ShapeError::TooLarge {
         part,
         limit,

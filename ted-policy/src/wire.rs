@@ -5,9 +5,9 @@
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use ted_core::{MAX_LAYERS, MAX_MEMBERS, Output, RewardInput};
 #[cfg(feature = "std")]
-use ted_core::{Mlp, integer::IntegerMlp};
+use ted_core::Mlp;
+use ted_core::{MAX_LAYERS, MAX_MEMBERS, Output, RewardInput};
 
 use crate::contract::Contract;
 use crate::provenance::Provenance;
@@ -21,7 +21,7 @@ pub(crate) struct Metadata<'a> {
     pub(crate) policy: Network,
     pub(crate) reward: Option<Reward>,
     pub(crate) ted: Option<Ted>,
-    pub(crate) integer_policy: Option<Integer>,
+    pub(crate) integers: Option<Integers>,
     pub(crate) golden_cases: u16,
 }
 
@@ -60,11 +60,31 @@ pub(crate) struct Ted {
     pub(crate) last_tied_episode: u32,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Integer {
+/// The networks once more, in integers: the same shapes, so only their numbers differ.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Integers {
+    pub(crate) policy: FixedPoint,
+    pub(crate) reward: Option<IntegerReward>,
+    pub(crate) ted: Option<IntegerTed>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct FixedPoint {
     pub(crate) input_fraction_bits: u8,
     pub(crate) output_fraction_bits: u8,
-    pub(crate) network: Network,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct IntegerReward {
+    pub(crate) fixed_point: FixedPoint,
+    pub(crate) low: i32,
+    pub(crate) high: i32,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct IntegerTed {
+    pub(crate) return_hat: i64,
+    pub(crate) last_tied_episode: u32,
 }
 
 impl From<Activation> for Output {
@@ -125,17 +145,6 @@ impl Network {
     pub(crate) fn of(mlp: &Mlp<'_>) -> Self {
         let widths =
             core::iter::once(mlp.inputs()).chain(mlp.layers().map(|layer| layer.outputs()));
-        Self {
-            output: mlp.output().into(),
-            widths: widths.map(|width| width as u16).collect(),
-        }
-    }
-
-    /// As [`Self::of`], for a network in integers.
-    #[cfg(feature = "std")]
-    pub(crate) fn of_integer(mlp: &IntegerMlp<'_>) -> Self {
-        let widths =
-            core::iter::once(mlp.inputs()).chain(mlp.layers().iter().map(|layer| layer.outputs()));
         Self {
             output: mlp.output().into(),
             widths: widths.map(|width| width as u16).collect(),

@@ -3,18 +3,21 @@
 use std::vec::Vec;
 
 use bytemuck::NoUninit;
-use ted_core::integer::IntegerPolicy;
+use ted_core::integer::{IntegerMlp, IntegerPolicy, IntegerRewardEnsemble, IntegerScratch};
 use ted_core::{
-    MAX_ACTION, Mlp, Normaliser, Policy, RewardEnsemble, Scratch, ShapeError, TedDiscount,
+    Mlp, Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch, ShapeError, TedDiscount,
 };
 
 use crate::artifact::Artifact;
 use crate::contract::Contract;
 use crate::envelope::{self, ALIGNMENT, FORMAT_VERSION, HEADER_LENGTH, MAGIC};
 use crate::error::ArtifactError;
+use crate::golden_outputs::GoldenOutputs;
 use crate::load::ArtifactBytes;
 use crate::provenance::Provenance;
-use crate::wire::{Integer, Metadata, Network, Reward, Ted};
+use crate::wire::{
+    FixedPoint, IntegerReward, IntegerTed, Integers, Metadata, Network, Reward, Ted,
+};
 
 /// What goes into an artefact. The golden outputs are computed from it by `ted-core` itself.
 #[derive(Clone, Debug)]
@@ -29,10 +32,21 @@ pub struct ArtifactSpec<'a> {
     pub reward: Option<RewardEnsemble<'a>>,
     /// TED's discount, if the run used it.
     pub ted: Option<TedDiscount>,
-    /// The policy in integers, if there is one.
-    pub integer_policy: Option<IntegerPolicy<'a>>,
+    /// The same networks in integers, if they are exported too.
+    pub integers: Option<IntegerSpec<'a>>,
     /// Raw observations for the golden vectors, one after the other; at least one.
     pub golden_obs_raw: &'a [f32],
+}
+
+/// The networks once more, in integers, in the shapes of the float ones and behind their normalisers.
+#[derive(Clone, Debug)]
+pub struct IntegerSpec<'a> {
+    /// The policy.
+    pub policy: IntegerPolicy<'a>,
+    /// The reward ensemble, exactly if there is one in floats.
+    pub reward: Option<IntegerRewardEnsemble<'a>>,
+    /// TED's border in the unit of the integer rewards, exactly if there is a discount.
+    pub threshold: Option<ReturnThreshold<i64>>,
 }
 
 /// Why an artefact was not written.
@@ -47,6 +61,9 @@ pub enum WriteError {
         /// Numbers there are.
         actual: usize,
     },
+    /// The integer networks have not the shapes of the float ones.
+    #[error("export integer networks: their shapes are not those of the trained ones")]
+    IntegerShape,
     /// A golden vector does not fit the networks.
     #[error("run golden vectors: {0}")]
     Golden(#[from] ShapeError),
@@ -72,12 +89,49 @@ pub enum WriteError {
 /// When [`Artifact::parse`] would refuse the result: NaN or infinite numbers, scales that are not positive, shapes that
 /// do not match the contract. Nothing is returned then.
 pub fn write(spec: &ArtifactSpec<'_>) -> Result<Vec<u8>, WriteError> {
+    check_integer_shapes(spec)?;
     let golden = GoldenOutputs::compute(spec)?;
     let metadata = postcard::to_stdvec(&metadata(spec, golden.cases))?;
     let blob = blob(spec, &golden);
     let bytes = ArtifactBytes::from_vec(seal(&metadata, &blob)?);
-    Artifact::parse(&bytes)?.verify_golden(&mut Scratch::new())?;
+    let artifact = Artifact::parse(&bytes)?;
+    artifact.verify_golden(&mut Scratch::new())?;
+    if spec.integers.is_some() {
+        artifact.verify_integer_golden(&mut IntegerScratch::new())?;
+    }
     Ok(bytes.to_vec())
+}
+
+/// The format says shapes once, so a reader could not tell that they differ.
+fn check_integer_shapes(spec: &ArtifactSpec<'_>) -> Result<(), WriteError> {
+    let Some(integers) = &spec.integers else {
+        return Ok(());
+    };
+    let rewards = (&spec.reward, &integers.reward);
+    let same = same_shape(spec.policy.mlp(), integers.policy.mlp())
+        && match rewards {
+            (Some(reward), Some(integer)) => {
+                reward.members().len() == integer.members().len()
+                    && (reward.members().iter().zip(integer.members()))
+                        .all(|(member, integer)| same_shape(member, integer))
+            }
+            // One without the other is refused by the reader's own check.
+            _ => true,
+        };
+    if same {
+        Ok(())
+    } else {
+        Err(WriteError::IntegerShape)
+    }
+}
+
+fn same_shape(mlp: &Mlp<'_>, integer: &IntegerMlp<'_>) -> bool {
+    mlp.output() == integer.output()
+        && mlp.inputs() == integer.inputs()
+        && mlp
+            .layers()
+            .map(|layer| layer.outputs())
+            .eq(integer.layers().iter().map(|layer| layer.outputs()))
 }
 
 fn metadata<'a>(spec: &ArtifactSpec<'a>, golden_cases: u16) -> Metadata<'a> {
@@ -97,10 +151,23 @@ fn metadata<'a>(spec: &ArtifactSpec<'a>, golden_cases: u16) -> Metadata<'a> {
             return_hat: ted.threshold().return_hat,
             last_tied_episode: ted.threshold().last_tied_episode,
         }),
-        integer_policy: spec.integer_policy.as_ref().map(|integer| Integer {
-            input_fraction_bits: integer.input_fraction_bits(),
-            output_fraction_bits: integer.output_fraction_bits(),
-            network: Network::of_integer(integer.mlp()),
+        integers: spec.integers.as_ref().map(|integers| Integers {
+            policy: FixedPoint {
+                input_fraction_bits: integers.policy.input_fraction_bits(),
+                output_fraction_bits: integers.policy.output_fraction_bits(),
+            },
+            reward: integers.reward.as_ref().map(|reward| IntegerReward {
+                fixed_point: FixedPoint {
+                    input_fraction_bits: reward.input_fraction_bits(),
+                    output_fraction_bits: reward.output_fraction_bits(),
+                },
+                low: reward.range().low,
+                high: reward.range().high,
+            }),
+            ted: integers.threshold.map(|threshold| IntegerTed {
+                return_hat: threshold.return_hat,
+                last_tied_episode: threshold.last_tied_episode,
+            }),
         }),
         golden_cases,
     }
@@ -114,20 +181,21 @@ fn blob(spec: &ArtifactSpec<'_>, golden: &GoldenOutputs) -> Vec<u8> {
         blob.normaliser(reward.normaliser());
         reward.members().iter().for_each(|member| blob.mlp(member));
     }
-    for layer in spec
-        .integer_policy
-        .iter()
-        .flat_map(|integer| integer.mlp().layers())
-    {
-        blob.array(layer.weights());
-        blob.array(layer.bias());
-        blob.array(layer.multipliers());
-        blob.array(layer.shifts());
+    if let Some(integers) = &spec.integers {
+        blob.integer_mlp(integers.policy.mlp());
+        let members = integers.reward.iter().flat_map(|reward| reward.members());
+        members.for_each(|member| blob.integer_mlp(member));
     }
     blob.array(spec.golden_obs_raw);
     blob.array(&golden.actions);
     if spec.reward.is_some() {
         blob.array(&golden.rewards);
+    }
+    if let Some(integers) = &spec.integers {
+        blob.array(&golden.integer_actions);
+        if integers.reward.is_some() {
+            blob.array(&golden.integer_rewards);
+        }
     }
     blob.bytes
 }
@@ -188,46 +256,13 @@ impl Blob {
             self.array(layer.bias());
         }
     }
-}
 
-/// What the networks compute for the golden observations.
-struct GoldenOutputs {
-    cases: u16,
-    actions: Vec<f32>,
-    rewards: Vec<f32>,
-}
-
-impl GoldenOutputs {
-    fn compute(spec: &ArtifactSpec<'_>) -> Result<Self, WriteError> {
-        let width = spec.policy.observation_dim();
-        let wrong_length = || WriteError::GoldenLength {
-            width,
-            actual: spec.golden_obs_raw.len(),
-        };
-        let rows = spec.golden_obs_raw.chunks_exact(width);
-        if spec.golden_obs_raw.is_empty() || !rows.remainder().is_empty() {
-            return Err(wrong_length());
+    fn integer_mlp(&mut self, mlp: &IntegerMlp<'_>) {
+        for layer in mlp.layers() {
+            self.array(layer.weights());
+            self.array(layer.bias());
+            self.array(layer.multipliers());
+            self.array(layer.shifts());
         }
-        let cases = u16::try_from(rows.len()).map_err(|_| wrong_length())?;
-        let mut scratch = Scratch::new();
-        let mut action = [0.0; MAX_ACTION];
-        let action = action
-            .get_mut(..spec.policy.action_dim())
-            .unwrap_or_default();
-        let mut outputs = Self {
-            cases,
-            actions: Vec::new(),
-            rewards: Vec::new(),
-        };
-        for obs_raw in rows {
-            spec.policy.act(obs_raw, &mut scratch, action)?;
-            outputs.actions.extend_from_slice(action);
-            if let Some(reward) = &spec.reward {
-                outputs
-                    .rewards
-                    .push(reward.raw(obs_raw, action, &mut scratch)?);
-            }
-        }
-        Ok(outputs)
     }
 }

@@ -9,8 +9,8 @@ use ted_core::{
     ShapeError,
 };
 use ted_policy::{
-    ActionChannel, ArtifactError, ArtifactSpec, Contract, ContractFault, ObservationChannel, Place,
-    Provenance, SafeAction, WriteError, write,
+    ActionChannel, ArtifactError, ArtifactSpec, Contract, ContractFault, IntegerSpec,
+    ObservationChannel, Place, Provenance, SafeAction, WriteError, write,
 };
 
 fn refusal(spec: &ArtifactSpec<'_>) -> ArtifactError {
@@ -217,23 +217,35 @@ fn reward_members_that_do_not_match_the_contract_are_refused() {
 }
 
 #[test]
-fn an_integer_policy_that_does_not_match_the_contract_is_refused() {
+fn integers_of_other_shapes_are_refused() {
     let spec = ArtifactSpec {
-        integer_policy: full().integer_policy,
+        integers: full().integers,
         ..minimal()
     };
-    let error = ShapeError::Mismatch {
-        part: Part::Observation,
-        expected: 1,
-        actual: 3,
+    assert_eq!(write(&spec).unwrap_err(), WriteError::IntegerShape);
+}
+
+#[test]
+fn integers_for_half_of_the_networks_are_refused() {
+    let without_reward = |integers| IntegerSpec {
+        reward: None,
+        ..integers
     };
-    assert_eq!(
-        refusal(&spec),
-        ArtifactError::Shape {
-            place: Place::IntegerPolicy,
-            error
-        }
-    );
+    let without_threshold = |integers| IntegerSpec {
+        threshold: None,
+        ..integers
+    };
+    let cases: [(fn(IntegerSpec<'static>) -> IntegerSpec<'static>, Place); 2] = [
+        (without_reward, Place::Reward),
+        (without_threshold, Place::Discount),
+    ];
+    for (without, place) in cases {
+        let spec = ArtifactSpec {
+            integers: full().integers.map(without),
+            ..full()
+        };
+        assert_eq!(refusal(&spec), ArtifactError::IntegerPart { place });
+    }
 }
 
 #[test]

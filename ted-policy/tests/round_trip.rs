@@ -5,10 +5,11 @@ mod support;
 
 use proptest::prelude::*;
 use support::{full, full_bytes, minimal};
+use ted_core::integer::IntegerMlp;
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy, Scratch};
 use ted_policy::{
-    ActionChannel, Artifact, ArtifactBytes, ArtifactSpec, Contract, ObservationChannel, Provenance,
-    SafeAction, write,
+    ActionChannel, Artifact, ArtifactBytes, ArtifactSpec, Contract, IntegerSpec,
+    ObservationChannel, Provenance, SafeAction, write,
 };
 
 #[test]
@@ -49,13 +50,28 @@ fn everything_written_is_read_back() {
     };
     assert_eq!(weights(reward.members()), weights(expected.members()));
 
-    let (integer, expected) = (
-        artifact.integer_policy().unwrap(),
-        spec.integer_policy.unwrap(),
-    );
-    assert_eq!(integer.input_fraction_bits(), 12);
-    assert_eq!(integer.output_fraction_bits(), 11);
-    for (layer, expected) in integer.mlp().layers().iter().zip(expected.mlp().layers()) {
+    let (integers, expected) = (artifact.integers().unwrap(), spec.integers.unwrap());
+    let policy = integers.policy.integer();
+    assert_eq!(policy.input_fraction_bits(), 12);
+    assert_eq!(policy.output_fraction_bits(), 11);
+    assert_eq!(integers.policy.normaliser().shift(), support::SHIFT);
+    same_layers(policy.mlp(), expected.policy.mlp());
+    let reward = integers.reward.as_ref().unwrap().integer();
+    let expected_reward = expected.reward.unwrap();
+    assert_eq!(reward.input_fraction_bits(), 11);
+    assert_eq!(reward.output_fraction_bits(), 10);
+    assert_eq!(reward.range(), expected_reward.range());
+    assert_eq!(reward.members().len(), 2);
+    for (member, expected) in reward.members().iter().zip(expected_reward.members()) {
+        same_layers(member, expected);
+    }
+    assert_eq!(integers.threshold, expected.threshold);
+}
+
+fn same_layers(network: &IntegerMlp<'_>, expected: &IntegerMlp<'_>) {
+    assert_eq!(network.output(), expected.output());
+    assert_eq!(network.layers().len(), expected.layers().len());
+    for (layer, expected) in network.layers().iter().zip(expected.layers()) {
         assert_eq!(layer.weights(), expected.weights());
         assert_eq!(layer.bias(), expected.bias());
         assert_eq!(layer.multipliers(), expected.multipliers());
@@ -69,7 +85,7 @@ fn what_is_left_out_stays_out() {
     let artifact = Artifact::parse(&bytes).unwrap();
     assert!(artifact.reward().is_none());
     assert!(artifact.ted().is_none());
-    assert!(artifact.integer_policy().is_none());
+    assert!(artifact.integers().is_none());
     assert!(artifact.provenance().preferences_digest.is_none());
     assert_eq!(artifact.golden().cases().next().unwrap().reward_raw, None);
 }
@@ -105,7 +121,11 @@ fn an_artefact_that_was_read_can_be_written_again() {
         policy: artifact.policy(),
         reward: artifact.reward(),
         ted: artifact.ted(),
-        integer_policy: artifact.integer_policy(),
+        integers: artifact.integers().map(|integers| IntegerSpec {
+            policy: integers.policy.integer().clone(),
+            reward: (integers.reward.as_ref()).map(|reward| reward.integer().clone()),
+            threshold: integers.threshold,
+        }),
         golden_obs_raw: &golden_obs_raw,
     };
     assert_eq!(write(&spec).unwrap(), bytes.to_vec());

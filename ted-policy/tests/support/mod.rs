@@ -3,13 +3,15 @@
 
 use std::ops::Range;
 
-use ted_core::integer::{IntegerDense, IntegerMlp, IntegerPolicy};
+use ted_core::integer::{
+    IntegerDense, IntegerMlp, IntegerPolicy, IntegerRange, IntegerRewardEnsemble,
+};
 use ted_core::{
     Dense, Mlp, Normaliser, Output, Policy, ReturnThreshold, RewardEnsemble, RewardInput,
     RewardRange, TedDiscount,
 };
 use ted_policy::{
-    ActionChannel, ArtifactBytes, ArtifactSpec, Contract, Digest, HEADER_LENGTH,
+    ActionChannel, ArtifactBytes, ArtifactSpec, Contract, Digest, HEADER_LENGTH, IntegerSpec,
     ObservationChannel, Provenance, SafeAction, write,
 };
 
@@ -24,10 +26,11 @@ pub static LAST_BIAS: [f32; 2] = [0.05, -0.05];
 pub static REWARD_SHIFT: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 pub static REWARD_SCALE: [f32; 5] = [2.0, 1.0, 0.5, 0.25, 0.125];
 pub static GOLDEN: [f32; 6] = [0.4, -0.3, 1.5, 0.6, 0.2, 2.5];
-static INTEGER_WEIGHTS: [i8; 6] = [1, -2, 3, -127, 127, 0];
-static INTEGER_BIAS: [i32; 2] = [1_000_000, -7];
-static MULTIPLIERS: [i32; 2] = [1 << 30, i32::MAX];
-static SHIFTS: [i8; 2] = [-8, 3];
+static INTEGER_HIDDEN: [i8; 15] = [1, -2, 3, -127, 127, 0, 4, -5, 6, -7, 8, -9, 10, -11, 12];
+static INTEGER_LAST: [i8; 10] = [30, -10, 40, -10, 50, -90, 20, -60, 50, -30];
+static INTEGER_BIAS: [i32; 5] = [1_000_000, -7, 0, 12, -34];
+static MULTIPLIERS: [i32; 5] = [1 << 30, i32::MAX, 1 << 30, 1_500_000_000, 1 << 30];
+static SHIFTS: [i8; 5] = [-8, -3, -2, -1, 0];
 
 /// An artefact that uses every part of the format.
 pub fn full() -> ArtifactSpec<'static> {
@@ -40,8 +43,6 @@ pub fn full() -> ArtifactSpec<'static> {
         member(&HIDDEN[..5], &LAST_BIAS[..1]),
         member(&HIDDEN[5..10], &LAST_BIAS[1..]),
     ];
-    let integer =
-        IntegerDense::new(3, &INTEGER_WEIGHTS, &INTEGER_BIAS, &MULTIPLIERS, &SHIFTS).unwrap();
     ArtifactSpec {
         contract: contract(),
         provenance: provenance(),
@@ -73,10 +74,38 @@ pub fn full() -> ArtifactSpec<'static> {
             )
             .unwrap(),
         ),
-        integer_policy: Some(
-            IntegerPolicy::new(12, 11, IntegerMlp::new(&[integer], Output::Tanh).unwrap()).unwrap(),
-        ),
+        integers: Some(integers()),
         golden_obs_raw: &GOLDEN,
+    }
+}
+
+/// Integers in the shapes of [`full`]'s networks.
+fn integers() -> IntegerSpec<'static> {
+    let layer = |inputs, weights, outputs| {
+        IntegerDense::new(
+            inputs,
+            weights,
+            &INTEGER_BIAS[..outputs],
+            &MULTIPLIERS[..outputs],
+            &SHIFTS[..outputs],
+        )
+        .unwrap()
+    };
+    let policy = [layer(3, &INTEGER_HIDDEN, 5), layer(5, &INTEGER_LAST, 2)];
+    let members = [&INTEGER_HIDDEN[..5], &INTEGER_HIDDEN[5..10]]
+        .map(|weights| IntegerMlp::new(&[layer(5, weights, 1)], Output::Linear).unwrap());
+    let range = IntegerRange {
+        low: -300,
+        high: 70_000,
+    };
+    IntegerSpec {
+        policy: IntegerPolicy::new(12, 11, IntegerMlp::new(&policy, Output::Tanh).unwrap())
+            .unwrap(),
+        reward: Some(IntegerRewardEnsemble::new(11, 10, &members, range).unwrap()),
+        threshold: Some(ReturnThreshold {
+            return_hat: 1 << 33,
+            last_tied_episode: 301,
+        }),
     }
 }
 
@@ -125,7 +154,7 @@ pub fn minimal() -> ArtifactSpec<'static> {
         .unwrap(),
         reward: None,
         ted: None,
-        integer_policy: None,
+        integers: None,
         golden_obs_raw: &HALF,
     }
 }

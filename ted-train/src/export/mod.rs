@@ -101,7 +101,7 @@ pub fn artefact(export: &Export<'_>) -> Result<Vec<u8>, ExportError> {
         policy,
         reward,
         ted: export.ted,
-        integer_policy: None,
+        integers: None,
         golden_obs_raw: &golden_obs_raw,
     };
     Ok(ted_policy::write(&spec)?)

@@ -101,7 +101,7 @@ pub fn artifact_spec() -> Result<ArtifactSpec<'static>, ToyError> {
             range,
         )?),
         ted: Some(TedDiscount::new(0.99, 0.7, threshold)?),
-        integer_policy: None,
+        integers: None,
         golden_obs_raw: &GOLDEN,
     })
 }

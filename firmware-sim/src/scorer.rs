@@ -1,0 +1,119 @@
+//! Scoring one's own experience: the predicted return of the running episode, and on which side of TED's border it ends.
+//!
+//! It computes what the trainer computed over its dataset, to the bit, so that a logged episode is told apart here as it
+//! would be there: the ones in the top k % are worth uploading.
+
+use ted_core::integer::IntegerScratch;
+use ted_core::quantised::QuantisedRewardEnsemble;
+use ted_core::{
+    DiscountClass, EpisodeReturn, NEW_EPISODE, ReturnThreshold, RewardEnsemble, Scratch,
+    ShapeError, TedDiscount,
+};
+use ted_policy::Artifact;
+
+use crate::controller::Numeric;
+
+/// A reward ensemble, TED's border, and the return so far.
+#[derive(Clone, Debug)]
+pub struct EpisodeScorer<'a> {
+    networks: Networks<'a>,
+    ted: TedDiscount,
+}
+
+#[derive(Clone, Debug)]
+enum Networks<'a> {
+    F32 {
+        reward: RewardEnsemble<'a>,
+        episode: EpisodeReturn,
+        scratch: Scratch,
+    },
+    Integer {
+        reward: QuantisedRewardEnsemble<'a>,
+        threshold: ReturnThreshold<i64>,
+        episode: EpisodeReturn<i64>,
+        scratch: IntegerScratch,
+    },
+}
+
+impl<'a> EpisodeScorer<'a> {
+    /// A scorer before the first step of an episode; nothing if the artefact has no reward ensemble, no discount, or not
+    /// in these numbers. The controller's load gate has replayed the ensemble's golden vectors.
+    #[must_use]
+    pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Option<Self> {
+        let ted = artifact.ted()?;
+        let networks = match numeric {
+            Numeric::F32 => Networks::F32 {
+                reward: artifact.reward()?,
+                episode: EpisodeReturn::default(),
+                scratch: Scratch::new(),
+            },
+            Numeric::Integer => {
+                let integers = artifact.integers()?;
+                Networks::Integer {
+                    reward: integers.reward.clone()?,
+                    threshold: integers.threshold?,
+                    episode: EpisodeReturn::default(),
+                    scratch: IntegerScratch::new(),
+                }
+            }
+        };
+        Some(Self { networks, ted })
+    }
+
+    /// Adds a step: what was seen, and the action that went out.
+    ///
+    /// # Errors
+    /// When one of the two has another length than the contract says; the return stays as it was.
+    pub fn push(&mut self, obs_raw: &[f32], action_unit: &[f32]) -> Result<(), ShapeError> {
+        match &mut self.networks {
+            Networks::F32 {
+                reward,
+                episode,
+                scratch,
+            } => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+            Networks::Integer {
+                reward,
+                episode,
+                scratch,
+                ..
+            } => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+        }
+        Ok(())
+    }
+
+    /// Predicted return so far, for people: a reward of 1 at every step adds up to the number of steps.
+    #[must_use]
+    pub fn return_hat(&self) -> f32 {
+        match &self.networks {
+            Networks::F32 { episode, .. } => episode.return_hat(),
+            Networks::Integer {
+                reward, episode, ..
+            } => reward.unit(episode.return_hat()),
+        }
+    }
+
+    /// On which side of TED's border the episode would lie if it ended now.
+    #[must_use]
+    pub fn class(&self) -> DiscountClass {
+        match &self.networks {
+            Networks::F32 { episode, .. } => self.ted.class(episode.return_hat(), NEW_EPISODE),
+            Networks::Integer {
+                threshold, episode, ..
+            } => threshold.class(episode.return_hat(), NEW_EPISODE),
+        }
+    }
+
+    /// The discount factor that TED gives to the transitions of an episode of this class.
+    #[must_use]
+    pub fn discount(&self, class: DiscountClass) -> f32 {
+        self.ted.discount(class)
+    }
+
+    /// Starts a new episode.
+    pub fn reset(&mut self) {
+        match &mut self.networks {
+            Networks::F32 { episode, .. } => *episode = EpisodeReturn::default(),
+            Networks::Integer { episode, .. } => *episode = EpisodeReturn::default(),
+        }
+    }
+}
