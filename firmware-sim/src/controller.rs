@@ -131,6 +131,8 @@ impl<'a> Controller<'a> {
 }
 
 /// The policy in the numbers it is flown in, with its working memory.
+// The larger variant cannot be boxed: a device has no heap.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 enum NumericPolicy<'a> {
     F32 {

@@ -20,6 +20,8 @@ pub struct EpisodeScorer<'a> {
     ted: TedDiscount,
 }
 
+// The larger variant cannot be boxed: a device has no heap.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 enum Networks<'a> {
     F32 {

@@ -42,6 +42,19 @@ impl ReturnThreshold {
     };
 }
 
+impl ReturnThreshold<i64> {
+    /// The border that every return passes (k = 100).
+    pub const ALL: Self = Self {
+        return_hat: i64::MIN,
+        last_tied_episode: u32::MAX,
+    };
+    /// The border that no return passes (k = 0).
+    pub const NONE: Self = Self {
+        return_hat: i64::MAX,
+        last_tied_episode: 0,
+    };
+}
+
 /// On which side of the border an episode lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DiscountClass {
@@ -232,8 +245,8 @@ mod tests {
     #[test]
     fn the_ends_of_k_let_everything_or_nothing_pass() {
         for return_hat in [-1e30, 0.0, 500.0] {
-            let all = TedDiscount::new(0.99, 0.7, ReturnThreshold::ALL).unwrap();
-            let none = TedDiscount::new(0.99, 0.7, ReturnThreshold::NONE).unwrap();
+            let all = TedDiscount::new(0.99, 0.7, ReturnThreshold::<f32>::ALL).unwrap();
+            let none = TedDiscount::new(0.99, 0.7, ReturnThreshold::<f32>::NONE).unwrap();
             assert_eq!(all.class(return_hat, NEW_EPISODE), DiscountClass::TopK);
             assert_eq!(none.class(return_hat, 0), DiscountClass::BelowTopK);
         }
@@ -244,7 +257,7 @@ mod tests {
         let ted = ted(10.0, 4);
         assert_eq!(ted.discount(DiscountClass::TopK), 0.99);
         assert_eq!(ted.discount(DiscountClass::BelowTopK), 0.7 * 0.99);
-        let plain = TedDiscount::new(0.99, 1.0, ReturnThreshold::NONE).unwrap();
+        let plain = TedDiscount::new(0.99, 1.0, ReturnThreshold::<f32>::NONE).unwrap();
         assert_eq!(
             plain.discount(DiscountClass::BelowTopK).to_bits(),
             0.99_f32.to_bits()

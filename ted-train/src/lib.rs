@@ -14,6 +14,7 @@ pub mod inspect;
 pub mod iql;
 pub mod nn;
 pub mod preferences;
+pub mod quantise;
 pub mod quickstart;
 pub mod replay;
 pub mod reward;

@@ -55,7 +55,21 @@ impl DiscountConfig {
         match *self {
             Self::Constant { .. } => Ok(None),
             Self::Ted { gamma, k, sigma } => {
-                TedDiscount::new(gamma, sigma, threshold(returns_hat, k)).map(Some)
+                let ends = [ReturnThreshold::<f32>::ALL, ReturnThreshold::<f32>::NONE];
+                let threshold = threshold(returns_hat, k, ends, f64::from);
+                TedDiscount::new(gamma, sigma, threshold).map(Some)
+            }
+        }
+    }
+
+    /// The border among predicted returns in integer rewards; `None` for a constant discount.
+    #[must_use]
+    pub fn integer_threshold(&self, returns_hat: &[i64]) -> Option<ReturnThreshold<i64>> {
+        match *self {
+            Self::Constant { .. } => None,
+            Self::Ted { k, .. } => {
+                let ends = [ReturnThreshold::<i64>::ALL, ReturnThreshold::<i64>::NONE];
+                Some(threshold(returns_hat, k, ends, |r| r as f64))
             }
         }
     }
@@ -95,17 +109,23 @@ pub(crate) fn ranking(returns: &[f64]) -> Vec<usize> {
     ranking
 }
 
-/// The border of the top `k` percent, rounded to whole episodes.
-fn threshold(returns_hat: &[f32], k: f64) -> ReturnThreshold {
+/// The border of the top `k` percent, rounded to whole episodes. `exact` brings a return to a number that orders as it does:
+/// integer returns have far fewer than 53 bits.
+fn threshold<R: Copy>(
+    returns_hat: &[R],
+    k: f64,
+    [all, none]: [ReturnThreshold<R>; 2],
+    exact: impl Fn(R) -> f64,
+) -> ReturnThreshold<R> {
     let keep = (returns_hat.len() as f64 * k / 100.0).round() as usize;
     if keep >= returns_hat.len() {
         // Also an episode worse than all of these is in then.
-        return ReturnThreshold::ALL;
+        return all;
     }
     let Some(last) = keep.checked_sub(1) else {
-        return ReturnThreshold::NONE;
+        return none;
     };
-    let returns: Vec<f64> = returns_hat.iter().copied().map(f64::from).collect();
+    let returns: Vec<f64> = returns_hat.iter().copied().map(exact).collect();
     let last = ranking(&returns)[last];
     ReturnThreshold {
         return_hat: returns_hat[last],

@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::dense::IntegerDense;
 use super::error::IntegerError;
 use super::kernel::dense;
-use super::scratch::IntegerPingPong;
+use super::scratch::{IntegerPingPong, IntegerScratch};
 use super::tanh::tanh_q15;
 use crate::error::{Part, ShapeError};
 use crate::limits::{MAX_LAYERS, MAX_WIDTH};
@@ -93,6 +93,19 @@ impl<'a> IntegerMlp<'a> {
     }
 
     /// Runs the network on one input. The last layer has `fraction_bits` before its activation.
+    ///
+    /// # Errors
+    /// When `x` or `out` has another length than the network.
+    pub fn forward(
+        &self,
+        x: &[i16],
+        fraction_bits: u8,
+        scratch: &mut IntegerScratch,
+        out: &mut [i16],
+    ) -> Result<(), ShapeError> {
+        self.run(x, fraction_bits, &mut scratch.ping_pong, out)
+    }
+
     pub(super) fn run(
         &self,
         x: &[i16],

@@ -9,7 +9,8 @@ use firmware_sim::output::OutputArgs;
 use serde::Serialize;
 use ted_policy::{Artifact, ArtifactBytes};
 
-use crate::export::ExportError;
+use crate::export::{ExportError, Exported};
+use crate::quantise::QuantisationReport;
 use crate::run::RunFolder;
 use crate::train::FinishedRun;
 
@@ -41,19 +42,24 @@ pub(super) struct ExportArgs {
 
 /// What was written.
 #[derive(Debug, Serialize)]
-struct Exported {
+struct Written {
     file: PathBuf,
     bytes: usize,
     crc32: String,
     /// Whether the file was there already with these bytes.
     unchanged: bool,
+    /// What the integer networks in it cost.
+    quantisation: QuantisationReport,
 }
 
 pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let folder = RunFolder::open(&args.run).map_err(end)?;
     let dataset = dataset_of(&folder, args.dataset.as_deref())?;
     let finished = FinishedRun::read(&folder, &dataset, args.output.audience()).map_err(end)?;
-    let bytes = finished.artefact(&dataset).map_err(end)?;
+    let Exported {
+        bytes,
+        quantisation,
+    } = finished.artefact(&dataset).map_err(end)?;
     let file = args.out.clone().unwrap_or_else(|| folder.artefact_path());
     let unchanged = std::fs::read(&file).is_ok_and(|held| held == bytes);
     match &args.out {
@@ -64,19 +70,21 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let aligned = ArtifactBytes::from_vec(bytes);
     let artifact = Artifact::parse(&aligned)
         .map_err(|error| end(ExportError::Write(ted_policy::WriteError::Refused(error))))?;
-    let exported = Exported {
+    let written = Written {
         file,
         bytes: aligned.len(),
         crc32: format!("{:08x}", artifact.checksum()),
         unchanged,
+        quantisation,
     };
-    args.output.print(&exported, || {
+    args.output.print(&written, || {
         format!(
-            "{} {}: {} bytes, CRC-32 {}",
+            "{} {}: {} bytes, CRC-32 {}\n{}",
             if unchanged { "unchanged" } else { "wrote" },
-            exported.file.display(),
-            exported.bytes,
-            exported.crc32
+            written.file.display(),
+            written.bytes,
+            written.crc32,
+            written.quantisation
         )
     })
 }

@@ -113,9 +113,15 @@ fn artefact_text(artefact: &ArtefactText) -> String {
         ),
         None => "TED              none: constant discount".to_owned(),
     });
-    lines.push(match &artefact.integer_policy {
-        Some(layers) => format!("integer policy   {} layers", layers.len()),
-        None => "integer policy   none".to_owned(),
+    lines.push(match &artefact.integers {
+        Some(integers) => format!(
+            "integers         {} fraction bits of observations, {} of actions; policy{}{}",
+            integers.input_fraction_bits,
+            integers.action_fraction_bits,
+            integers.reward_sums.map_or("", |_| ", reward ensemble"),
+            integers.threshold_return_hat.map_or("", |_| ", TED")
+        ),
+        None => "integers         none".to_owned(),
     });
     lines.extend([String::new(), observation_table(artefact)]);
     lines.extend([String::new(), action_table(artefact)]);

@@ -161,7 +161,7 @@ pub fn crosscheck(
     checks.push(Check::of(tolerance::WEIGHTS, weights));
     checks.push(Check::exact(
         tolerance::EXPORT,
-        unequal_bytes(&bytes, &run.artefact(dataset)?),
+        unequal_bytes(&bytes, &run.artefact(dataset)?.bytes),
     ));
 
     match artifact.reward() {

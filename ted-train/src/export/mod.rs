@@ -4,12 +4,15 @@ mod contract;
 
 pub use contract::{ContractText, channel_text};
 
+use ted_core::integer::IntegerError;
 use ted_core::{Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
 use ted_policy::{ArtifactSpec, Digest, Provenance, WriteError};
 
 use crate::dataset::Dataset;
 use crate::nn::ExportedMlp;
+use crate::quantise::{Originals, QuantisationReport, QuantisedNetworks};
 use crate::reward::oprl::ExportedEnsemble;
+use crate::ted::DiscountConfig;
 
 /// Golden vectors in an artefact: every loader replays them before it flies.
 const GOLDEN: usize = 16;
@@ -26,8 +29,10 @@ pub struct Export<'a> {
     pub actor: &'a ExportedMlp,
     /// The reward ensemble and its range, if the run learned one.
     pub reward: Option<(&'a ExportedEnsemble, RewardRange)>,
-    /// TED's lookup, if the run used it.
-    pub ted: Option<TedDiscount>,
+    /// TED's lookup and the rule that it follows, if the run used it.
+    pub ted: Option<(TedDiscount, &'a DiscountConfig)>,
+    /// Predicted return of each episode of the dataset.
+    pub returns_hat: &'a [f32],
     /// Name of the composition.
     pub preset: &'a str,
     /// Root seed.
@@ -49,6 +54,9 @@ pub enum ExportError {
     /// The observation or action channels cannot be promised.
     #[error("the dataset makes no valid contract: {0}")]
     Contract(#[from] ted_policy::ContractFault),
+    /// The networks cannot be brought to integers.
+    #[error("quantise the networks: {0}")]
+    Quantise(#[from] IntegerError),
     /// The artefact would not be accepted by a reader.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -60,11 +68,20 @@ pub enum ExportError {
     },
 }
 
-/// The bytes of the artefact.
+/// An artefact, and what its integers cost.
+#[derive(Clone, Debug)]
+pub struct Exported {
+    /// The bytes of `policy.ted`.
+    pub bytes: Vec<u8>,
+    /// How its integer networks differ from the float ones.
+    pub quantisation: QuantisationReport,
+}
+
+/// Quantises the networks and writes the artefact.
 ///
 /// # Errors
 /// When the controller could not run it, or a weight is not finite.
-pub fn artefact(export: &Export<'_>) -> Result<Vec<u8>, ExportError> {
+pub fn artefact(export: &Export<'_>) -> Result<Exported, ExportError> {
     let text = ContractText::new(export.dataset);
     let contract = text.contract()?;
     let policy = Policy::new(
@@ -95,16 +112,26 @@ pub fn artefact(export: &Export<'_>) -> Result<Vec<u8>, ExportError> {
         dataset_return_max: export.dataset.max_return_true(),
     };
     let golden_obs_raw = golden_observations(export.dataset);
+    let originals = Originals {
+        policy: policy.clone(),
+        reward: reward.clone(),
+        ted: export.ted,
+        returns_hat: export.returns_hat,
+    };
+    let (integers, quantisation) = QuantisedNetworks::quantise(&originals, export.dataset)?;
     let spec = ArtifactSpec {
         contract,
         provenance,
         policy,
         reward,
-        ted: export.ted,
-        integers: None,
+        ted: export.ted.map(|(ted, _)| ted),
+        integers: Some(integers.view()?),
         golden_obs_raw: &golden_obs_raw,
     };
-    Ok(ted_policy::write(&spec)?)
+    Ok(Exported {
+        bytes: ted_policy::write(&spec)?,
+        quantisation,
+    })
 }
 
 /// Observations spread evenly over the dataset.

@@ -27,10 +27,23 @@ pub struct ArtefactText {
     pub reward: Option<RewardText>,
     /// TED's discount.
     pub ted: Option<TedText>,
-    /// Whether there is a policy in integers, and its layers as inputs and outputs.
-    pub integer_policy: Option<Vec<[usize; 2]>>,
+    /// The same networks in integers.
+    pub integers: Option<IntegersText>,
     /// The golden vectors.
     pub golden: GoldenText,
+}
+
+/// The fixed point of integer networks.
+#[derive(Clone, Debug, Serialize)]
+pub struct IntegersText {
+    /// Fraction bits of a standardised observation.
+    pub input_fraction_bits: u8,
+    /// Fraction bits of an action.
+    pub action_fraction_bits: u8,
+    /// The sums over all members that become a reward of 0 and of 1.
+    pub reward_sums: Option<[i32; 2]>,
+    /// Predicted return in integer rewards from which an episode has the full discount.
+    pub threshold_return_hat: Option<i64>,
 }
 
 /// What a policy expects of the world, and what it promises.
@@ -207,11 +220,14 @@ impl ArtefactText {
             threshold_return_hat: ted.threshold().return_hat,
             last_tied_episode: ted.threshold().last_tied_episode,
         });
-        let integer_policy = artifact.integer_policy().map(|integer| {
-            let layers = integer.mlp().layers().iter();
-            layers
-                .map(|layer| [layer.inputs(), layer.outputs()])
-                .collect()
+        let integers = artifact.integers().map(|integers| IntegersText {
+            input_fraction_bits: integers.policy.integer().input_fraction_bits(),
+            action_fraction_bits: integers.policy.integer().action_fraction_bits(),
+            reward_sums: integers.reward.as_ref().map(|reward| {
+                let range = reward.integer().range();
+                [range.low, range.high]
+            }),
+            threshold_return_hat: integers.threshold.map(|threshold| threshold.return_hat),
         });
         Self {
             path: path.to_path_buf(),
@@ -223,7 +239,7 @@ impl ArtefactText {
             policy: NetworkText::new(policy.mlp()),
             reward,
             ted,
-            integer_policy,
+            integers,
             golden: GoldenText::new(artifact),
         }
     }

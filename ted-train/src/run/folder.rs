@@ -21,6 +21,9 @@ pub const PREFERENCES: &str = "preferences.jsonl";
 /// How the artefact flew.
 pub const EVALUATION: &str = "evaluation.json";
 
+/// What the integer networks of the artefact cost.
+pub const QUANTISATION: &str = "quantisation.json";
+
 /// Checkpoints kept: the newest, and the one before in case the newest is damaged.
 const KEPT_CHECKPOINTS: usize = 2;
 

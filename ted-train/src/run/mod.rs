@@ -21,6 +21,6 @@ mod sealed;
 
 pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
 pub use events::EventWriter;
-pub use folder::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
+pub use folder::{DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder};
 pub use metrics::MetricsLog;
 pub use sealed::SealedError;

@@ -6,7 +6,7 @@ use ted_policy::Digest;
 
 use crate::config::Config;
 use crate::dataset::Dataset;
-use crate::export::{Export, ExportError, artefact};
+use crate::export::{Export, ExportError, Exported, artefact};
 use crate::iql::{Iql, Replay};
 use crate::nn::ExportedMlp;
 use crate::reward::Labels;
@@ -61,18 +61,20 @@ impl FinishedRun {
         })
     }
 
-    /// The bytes of its artefact.
+    /// Its artefact.
     ///
     /// # Errors
     /// When the controller could not run it, or a weight is not finite.
-    pub fn artefact(&self, dataset: &Dataset) -> Result<Vec<u8>, ExportError> {
+    pub fn artefact(&self, dataset: &Dataset) -> Result<Exported, ExportError> {
         artefact(&Export {
             dataset,
             shift: self.shift(),
             scale: self.scale(),
             actor: self.actor(),
             reward: self.reward(),
-            ted: self.ted(),
+            // The controller's lookup is worth nothing to it without the ensemble's returns.
+            ted: self.ted().map(|ted| (ted, &self.config.discount)),
+            returns_hat: &self.labels().episode_returns(dataset),
             preset: self.config.preset.name(),
             seed: self.config.seed,
             steps: self.config.iql.steps,

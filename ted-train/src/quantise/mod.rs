@@ -1,0 +1,189 @@
+//! From a trained policy and reward ensemble to the same networks in integers, with a report of what that costs.
+//!
+//! ```text
+//! input     x = floor(norm * 2^f + 1/2)       f: the most fraction bits with which no input of the dataset is cut off
+//! weights   w = round(W / u), |w| <= 127      u per output: its largest weight over 127
+//! bias      b = round((B + sum (W - u w) mean(x)) / (unit(x) u))
+//! hidden    16 bits for twice the largest activation of the calibration
+//! output    12 fraction bits before a tanh, whose table ends at 8
+//! ```
+//!
+//! Calibration is on observations spread evenly over the dataset. No training follows: what 8-bit weights lose is measured,
+//! here against the floats and in flight against them (`docs/results.md`).
+
+mod layer;
+mod network;
+mod report;
+mod rewards;
+
+pub use layer::{IntegerLayer, LayerInput};
+pub use network::{Calibration, LayerReport, NetworkReport, QuantisedNetwork};
+pub use report::{ActionError, Coarsest, QuantisationReport, RewardReport};
+pub use rewards::QuantisedRewards;
+
+use ted_core::integer::{IntegerError, IntegerPolicy, IntegerScratch};
+use ted_core::quantised::QuantisedPolicy;
+use ted_core::{
+    NEW_EPISODE, Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch, TedDiscount,
+};
+use ted_policy::IntegerSpec;
+
+use crate::dataset::Dataset;
+use crate::ted::DiscountConfig;
+
+/// Observations that the networks are calibrated on and compared by.
+const CALIBRATION: usize = 8192;
+
+/// The networks of a run in integers as plain arrays.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct QuantisedNetworks {
+    policy: QuantisedNetwork,
+    rewards: Option<QuantisedRewards>,
+    threshold: Option<ReturnThreshold<i64>>,
+}
+
+/// What is quantised.
+#[derive(Clone, Debug)]
+pub struct Originals<'a> {
+    /// The policy.
+    pub policy: Policy<'a>,
+    /// The reward ensemble, if the artefact has one.
+    pub reward: Option<RewardEnsemble<'a>>,
+    /// TED's lookup, if the artefact has one, and the rule that it follows.
+    pub ted: Option<(TedDiscount, &'a DiscountConfig)>,
+    /// Predicted returns of the dataset's episodes by the float ensemble, if there is one.
+    pub returns_hat: &'a [f32],
+}
+
+impl QuantisedNetworks {
+    /// Quantises everything of a run, and compares.
+    ///
+    /// # Errors
+    /// When a network was not made for observations and actions of this size.
+    pub fn quantise(
+        originals: &Originals<'_>,
+        dataset: &Dataset,
+    ) -> Result<(Self, QuantisationReport), IntegerError> {
+        let count = CALIBRATION.min(dataset.step_count());
+        let steps: Vec<usize> = (0..count)
+            .map(|i| i * dataset.step_count() / count)
+            .collect();
+        let normaliser = *originals.policy.normaliser();
+        let observations: Vec<f32> = (steps.iter())
+            .flat_map(|&step| dataset.observation(step).iter().copied())
+            .collect();
+        let calibration = Calibration::new(normaliser, observations.clone())?;
+        let statistics = dataset.observation_statistics();
+        let largest = largest_norm(
+            &normaliser,
+            statistics.min.iter().copied(),
+            statistics.max.iter().copied(),
+            dataset.observation_dim(),
+        );
+        let mlp = originals.policy.mlp();
+        let bits = network::input_fraction_bits(largest);
+        let output_bits = network::output_fraction_bits(mlp, &calibration)?;
+        let policy = QuantisedNetwork::quantise(mlp, &calibration, bits, output_bits)?;
+        let mut quantised = Self {
+            policy,
+            rewards: None,
+            threshold: None,
+        };
+        let mut report = QuantisationReport {
+            policy: quantised.policy.compare(mlp, &calibration)?,
+            input_fraction_bits: bits,
+            coarsest: Coarsest::of(&normaliser, bits, dataset.observation_dim()),
+            actions: quantised.action_errors(&originals.policy, &observations)?,
+            rewards: None,
+        };
+        if let Some(reward) = &originals.reward {
+            let (rewards, members) = QuantisedRewards::quantise(reward, dataset, &steps)?;
+            let threshold = originals
+                .ted
+                .and_then(|(_, rule)| rule.integer_threshold(&rewards.returns_hat));
+            report.rewards = Some(RewardReport {
+                members,
+                class_changes: originals.ted.zip(threshold).map(|((ted, _), threshold)| {
+                    class_changes(&ted, originals.returns_hat, threshold, &rewards.returns_hat)
+                }),
+                episodes: rewards.returns_hat.len(),
+            });
+            quantised.rewards = Some(rewards);
+            quantised.threshold = threshold;
+        }
+        Ok((quantised, report))
+    }
+
+    /// What goes into the artefact.
+    ///
+    /// # Errors
+    /// When the networks are larger than the device's limits.
+    pub fn view(&self) -> Result<IntegerSpec<'_>, IntegerError> {
+        Ok(IntegerSpec {
+            policy: self.policy_view()?,
+            reward: (self.rewards.as_ref())
+                .map(QuantisedRewards::view)
+                .transpose()?,
+            threshold: self.threshold,
+        })
+    }
+
+    fn policy_view(&self) -> Result<IntegerPolicy<'_>, IntegerError> {
+        IntegerPolicy::new(
+            self.policy.input_fraction_bits,
+            self.policy.output_fraction_bits,
+            self.policy.view()?,
+        )
+    }
+
+    fn action_errors(
+        &self,
+        policy: &Policy<'_>,
+        observations: &[f32],
+    ) -> Result<Vec<ActionError>, IntegerError> {
+        let quantised = QuantisedPolicy::new(*policy.normaliser(), self.policy_view()?)?;
+        let (mut scratch, mut integer_scratch) = (Scratch::new(), IntegerScratch::new());
+        let mut errors = vec![Vec::new(); policy.action_dim()];
+        let mut exact = vec![0.0; policy.action_dim()];
+        let mut integer = exact.clone();
+        for obs_raw in observations.chunks_exact(policy.observation_dim()) {
+            policy.act(obs_raw, &mut scratch, &mut exact)?;
+            quantised.act(obs_raw, &mut integer_scratch, &mut integer)?;
+            for ((errors, a), b) in errors.iter_mut().zip(&exact).zip(&integer) {
+                errors.push(f64::from((a - b).abs()));
+            }
+        }
+        Ok(errors.into_iter().map(ActionError::of).collect())
+    }
+}
+
+/// The largest magnitude of a standardised value between these bounds of each channel.
+fn largest_norm(
+    normaliser: &Normaliser<'_>,
+    low: impl Iterator<Item = f32>,
+    high: impl Iterator<Item = f32>,
+    channels: usize,
+) -> f64 {
+    let statistics = normaliser.shift().iter().zip(normaliser.scale());
+    let bounds = low.zip(high).zip(statistics).take(channels);
+    let norms = bounds.flat_map(|((low, high), (shift, scale))| {
+        [low, high].map(|raw| f64::from(((raw - shift) * scale).abs()))
+    });
+    norms.fold(0.0, f64::max)
+}
+
+/// Episodes of the dataset that the integers put on the other side of TED's border.
+fn class_changes(
+    ted: &TedDiscount,
+    returns_hat: &[f32],
+    threshold: ReturnThreshold<i64>,
+    integer_returns_hat: &[i64],
+) -> usize {
+    let pairs = returns_hat.iter().zip(integer_returns_hat).enumerate();
+    pairs
+        .filter(|&(index, (&float, &integer))| {
+            let episode = u32::try_from(index).unwrap_or(NEW_EPISODE);
+            ted.class(float, episode) != threshold.class(integer, episode)
+        })
+        .count()
+}
