@@ -6,8 +6,7 @@
 use ted_core::integer::IntegerScratch;
 use ted_core::quantised::QuantisedRewardEnsemble;
 use ted_core::{
-    DiscountClass, EpisodeReturn, NEW_EPISODE, ReturnThreshold, RewardEnsemble, Scratch,
-    ShapeError, TedDiscount,
+    DiscountClass, EpisodeReturn, ReturnThreshold, RewardEnsemble, Scratch, ShapeError, TedDiscount,
 };
 use ted_policy::Artifact;
 
@@ -95,13 +94,16 @@ impl<'a> EpisodeScorer<'a> {
     }
 
     /// On which side of TED's border the episode would lie if it ended now.
+    ///
+    /// `number` is its place in the dataset, which decides between equal returns: [`ted_core::NEW_EPISODE`] for one that is
+    /// not in it.
     #[must_use]
-    pub fn class(&self) -> DiscountClass {
+    pub fn class(&self, number: u32) -> DiscountClass {
         match &self.networks {
-            Networks::F32 { episode, .. } => self.ted.class(episode.return_hat(), NEW_EPISODE),
+            Networks::F32 { episode, .. } => self.ted.class(episode.return_hat(), number),
             Networks::Integer {
                 threshold, episode, ..
-            } => threshold.class(episode.return_hat(), NEW_EPISODE),
+            } => threshold.class(episode.return_hat(), number),
         }
     }
 

@@ -21,7 +21,7 @@ pub struct IntegerNetworks<'a> {
     pub policy: QuantisedPolicy<'a>,
     /// The reward ensemble, if the artefact has one.
     pub reward: Option<QuantisedRewardEnsemble<'a>>,
-    /// TED's border in the unit of the integer rewards, if the run used TED.
+    /// TED's border in the unit of the integer rewards, if the artefact has both an ensemble and a discount.
     pub threshold: Option<ReturnThreshold<i64>>,
 }
 
@@ -102,7 +102,8 @@ pub(crate) fn join<'a>(
             });
         }
     };
-    if threshold.is_some() != originals.ted.is_some() {
+    // A border is one of predicted returns: without an ensemble nobody here could compute them.
+    if threshold.is_some() != (originals.ted.is_some() && reward.is_some()) {
         return Err(ArtifactError::IntegerPart {
             place: Place::Discount,
         });

@@ -45,7 +45,7 @@ pub struct IntegerSpec<'a> {
     pub policy: IntegerPolicy<'a>,
     /// The reward ensemble, exactly if there is one in floats.
     pub reward: Option<IntegerRewardEnsemble<'a>>,
-    /// TED's border in the unit of the integer rewards, exactly if there is a discount.
+    /// TED's border in the unit of the integer rewards, exactly if there are an ensemble and a discount.
     pub threshold: Option<ReturnThreshold<i64>>,
 }
 

@@ -6,6 +6,7 @@ mod support;
 use proptest::prelude::*;
 use support::{array_at, field, full_bytes, metadata, minimal, resealed};
 use ted_core::Scratch;
+use ted_core::integer::IntegerScratch;
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, HEADER_LENGTH, MAGIC, Place, write};
 
 fn refusal(bytes: &[u8]) -> ArtifactError {
@@ -16,7 +17,12 @@ fn refusal(bytes: &[u8]) -> ArtifactError {
 
 /// Parses and verifies bytes that may be anything.
 fn parse_and_verify(bytes: &[u8]) -> Result<(), ArtifactError> {
-    Artifact::parse(bytes)?.verify_golden(&mut Scratch::new())
+    let artifact = Artifact::parse(bytes)?;
+    artifact.verify_golden(&mut Scratch::new())?;
+    match artifact.integers() {
+        Some(_) => artifact.verify_integer_golden(&mut IntegerScratch::new()),
+        None => Ok(()),
+    }
 }
 
 #[test]
@@ -265,6 +271,29 @@ fn a_weight_changed_by_one_bit_is_found_by_the_golden_vectors() {
                 assert_eq!(place, wanted);
                 assert_ne!(expected, actual);
             }
+            other => panic!("{other}"),
+        }
+    }
+}
+
+#[test]
+fn an_integer_weight_that_changed_is_found_by_the_golden_vectors() {
+    let bytes = full_bytes();
+    let weights = [
+        (support::INTEGER_LAST, Place::IntegerPolicy),
+        // Each member is its first five weights, padded to 16 bytes.
+        (&support::INTEGER_HIDDEN[..5], Place::IntegerReward),
+    ];
+    for (numbers, wanted) in weights {
+        let mut padded: Vec<u8> = numbers.iter().map(|weight| *weight as u8).collect();
+        padded.resize(numbers.len().next_multiple_of(16), 0);
+        let offset = (field(&bytes, 28) as usize..bytes.len())
+            .step_by(16)
+            .find(|at| bytes[*at..].starts_with(&padded))
+            .expect("the blob holds these weights");
+        let changed = resealed(&bytes, |bytes| bytes[offset] ^= 0x40);
+        match parse_and_verify(&changed).unwrap_err() {
+            ArtifactError::GoldenMismatch { place, .. } => assert_eq!(place, wanted),
             other => panic!("{other}"),
         }
     }

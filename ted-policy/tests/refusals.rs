@@ -201,6 +201,7 @@ fn reward_members_that_do_not_match_the_contract_are_refused() {
         .unwrap();
         match write(&ArtifactSpec {
             reward: Some(reward),
+            integers: None,
             ..seen.clone()
         })
         .unwrap_err()
@@ -227,21 +228,21 @@ fn integers_of_other_shapes_are_refused() {
 
 #[test]
 fn integers_for_half_of_the_networks_are_refused() {
-    let without_reward = |integers| IntegerSpec {
+    let integers = || full().integers.unwrap();
+    let without_reward = IntegerSpec {
         reward: None,
-        ..integers
+        ..integers()
     };
-    let without_threshold = |integers| IntegerSpec {
+    let without_threshold = IntegerSpec {
         threshold: None,
-        ..integers
+        ..integers()
     };
-    let cases: [(fn(IntegerSpec<'static>) -> IntegerSpec<'static>, Place); 2] = [
+    for (half, place) in [
         (without_reward, Place::Reward),
         (without_threshold, Place::Discount),
-    ];
-    for (without, place) in cases {
+    ] {
         let spec = ArtifactSpec {
-            integers: full().integers.map(without),
+            integers: Some(half),
             ..full()
         };
         assert_eq!(refusal(&spec), ArtifactError::IntegerPart { place });

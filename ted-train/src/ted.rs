@@ -13,7 +13,7 @@
 mod inversion;
 
 use serde::{Deserialize, Serialize};
-use ted_core::{DiscountError, NEW_EPISODE, ReturnThreshold, TedDiscount};
+use ted_core::{DiscountClass, DiscountError, NEW_EPISODE, ReturnThreshold, TedDiscount};
 
 use crate::dataset::Dataset;
 
@@ -98,6 +98,15 @@ impl DiscountConfig {
         }
         discounts
     }
+}
+
+/// The class of every episode of the dataset, by its predicted return.
+#[must_use]
+pub fn classes(ted: &TedDiscount, returns_hat: &[f32]) -> Vec<DiscountClass> {
+    let class = |(index, &return_hat): (usize, &f32)| {
+        ted.class(return_hat, u32::try_from(index).unwrap_or(NEW_EPISODE))
+    };
+    returns_hat.iter().enumerate().map(class).collect()
 }
 
 /// Episodes by their return, highest first; between equal returns the earlier episode wins.

@@ -36,6 +36,10 @@ pub const EXPORT: Tolerance = exact("bytes, exported again - the artefact");
 pub const LABELS: Tolerance = exact("rewards, artefact - labels of training");
 /// Which episodes keep the full discount factor, by the artefact's threshold and by ranking them.
 pub const CLASSES: Tolerance = exact("TED classes, artefact - ranking");
+/// Which recorded episodes a controller says lie in the top k %, scoring them step by step, and the trainer's answer.
+pub const SCORED_F32: Tolerance = exact("TED classes, controller on the logs - trainer");
+/// The same in integers, which have a border of their own.
+pub const SCORED_INTEGER: Tolerance = exact("the same, in integers");
 /// Returns of the episodes of an evaluation, flown again.
 pub const RETURNS: Tolerance = exact("returns, flown again - evaluation");
 /// Actions of burn's default CPU backend.
@@ -48,12 +52,14 @@ pub const ACTIONS_BURN: Tolerance = absolute("actions, burn flex - burn ndarray"
 pub const MATMUL: Tolerance = absolute("matrix product, burn - double precision", 1e-5);
 
 /// The whole table.
-pub const TABLE: [Tolerance; 10] = [
+pub const TABLE: [Tolerance; 12] = [
     GOLDEN,
     WEIGHTS,
     EXPORT,
     LABELS,
     CLASSES,
+    SCORED_F32,
+    SCORED_INTEGER,
     RETURNS,
     ACTIONS_FLEX,
     ACTIONS_NDARRAY,

@@ -26,8 +26,8 @@ pub static LAST_BIAS: [f32; 2] = [0.05, -0.05];
 pub static REWARD_SHIFT: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 pub static REWARD_SCALE: [f32; 5] = [2.0, 1.0, 0.5, 0.25, 0.125];
 pub static GOLDEN: [f32; 6] = [0.4, -0.3, 1.5, 0.6, 0.2, 2.5];
-static INTEGER_HIDDEN: [i8; 15] = [1, -2, 3, -127, 127, 0, 4, -5, 6, -7, 8, -9, 10, -11, 12];
-static INTEGER_LAST: [i8; 10] = [30, -10, 40, -10, 50, -90, 20, -60, 50, -30];
+pub static INTEGER_HIDDEN: &[i8] = &[1, -2, 3, -127, 127, 0, 4, -5, 6, -7, 8, -9, 10, -11, 12];
+pub static INTEGER_LAST: &[i8] = &[30, -10, 40, -10, 50, -90, 20, -60, 50, -30];
 static INTEGER_BIAS: [i32; 5] = [1_000_000, -7, 0, 12, -34];
 static MULTIPLIERS: [i32; 5] = [1 << 30, i32::MAX, 1 << 30, 1_500_000_000, 1 << 30];
 static SHIFTS: [i8; 5] = [-8, -3, -2, -1, 0];
@@ -91,7 +91,7 @@ fn integers() -> IntegerSpec<'static> {
         )
         .unwrap()
     };
-    let policy = [layer(3, &INTEGER_HIDDEN, 5), layer(5, &INTEGER_LAST, 2)];
+    let policy = [layer(3, INTEGER_HIDDEN, 5), layer(5, INTEGER_LAST, 2)];
     let members = [&INTEGER_HIDDEN[..5], &INTEGER_HIDDEN[5..10]]
         .map(|weights| IntegerMlp::new(&[layer(5, weights, 1)], Output::Linear).unwrap());
     let range = IntegerRange {

@@ -59,6 +59,7 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let Exported {
         bytes,
         quantisation,
+        ..
     } = finished.artefact(&dataset).map_err(end)?;
     let file = args.out.clone().unwrap_or_else(|| folder.artefact_path());
     let unchanged = std::fs::read(&file).is_ok_and(|held| held == bytes);

@@ -3,12 +3,15 @@
 mod actions;
 mod distance;
 mod flight;
+mod scored;
 mod state;
 
 pub use distance::{Distance, ulp};
 
+use firmware_sim::controller::Numeric;
 use firmware_sim::progress::Audience;
 use serde::Serialize;
+use ted_core::integer::IntegerScratch;
 use ted_core::{Scratch, ShapeError};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, LoadError};
 
@@ -17,7 +20,7 @@ use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
 use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
-use crate::ted::DiscountConfig;
+use crate::ted::{DiscountConfig, classes};
 use crate::tolerance::{self, Allowed, Tolerance};
 use crate::train::{FinishedRun, TrainError, last_checkpoint};
 
@@ -147,7 +150,9 @@ pub fn crosscheck(
     let (mut checks, mut left_out) = (Vec::new(), Vec::new());
 
     let cases = artifact.golden().cases().count() as u64;
-    let golden = artifact.verify_golden(&mut Scratch::new());
+    let golden = artifact
+        .verify_golden(&mut Scratch::new())
+        .and_then(|()| artifact.verify_integer_golden(&mut IntegerScratch::new()));
     checks.push(Check::exact(
         tolerance::GOLDEN,
         (cases, u64::from(golden.is_err())),
@@ -159,9 +164,10 @@ pub fn crosscheck(
     );
     let weights = state::weights(&artifact, &run)?;
     checks.push(Check::of(tolerance::WEIGHTS, weights));
+    let exported = run.artefact(dataset)?;
     checks.push(Check::exact(
         tolerance::EXPORT,
-        unequal_bytes(&bytes, &run.artefact(dataset)?.bytes),
+        unequal_bytes(&bytes, &exported.bytes),
     ));
 
     match artifact.reward() {
@@ -180,6 +186,21 @@ pub fn crosscheck(
             ));
         }
         _ => left_out.push("TED classes: the artefact holds no lookup".to_owned()),
+    }
+    match (run.ted(), &exported.integer_classes) {
+        (Some(ted), Some(integer_classes)) => {
+            let float_classes = classes(&ted, &run.labels().episode_returns(dataset));
+            for (tolerance, numeric, trained) in [
+                (tolerance::SCORED_F32, Numeric::F32, &float_classes),
+                (tolerance::SCORED_INTEGER, Numeric::Integer, integer_classes),
+            ] {
+                let scored = scored::classes(&artifact, numeric, dataset)?;
+                checks.push(Check::exact(tolerance, scored::unequal(&scored, trained)));
+            }
+        }
+        _ => {
+            left_out.push("episodes scored: the artefact holds no ensemble or no lookup".to_owned())
+        }
     }
     match fly_again(folder, config.episodes, config.workers, audience)? {
         Again::Compared(counts) => checks.push(Check::exact(tolerance::RETURNS, counts)),

@@ -5,7 +5,7 @@ mod contract;
 pub use contract::{ContractText, channel_text};
 
 use ted_core::integer::IntegerError;
-use ted_core::{Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
+use ted_core::{DiscountClass, Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
 use ted_policy::{ArtifactSpec, Digest, Provenance, WriteError};
 
 use crate::dataset::Dataset;
@@ -75,6 +75,8 @@ pub struct Exported {
     pub bytes: Vec<u8>,
     /// How its integer networks differ from the float ones.
     pub quantisation: QuantisationReport,
+    /// The class of every episode of the dataset by the integers' own returns, if the run used TED on an ensemble's.
+    pub integer_classes: Option<Vec<DiscountClass>>,
 }
 
 /// Quantises the networks and writes the artefact.
@@ -131,6 +133,7 @@ pub fn artefact(export: &Export<'_>) -> Result<Exported, ExportError> {
     Ok(Exported {
         bytes: ted_policy::write(&spec)?,
         quantisation,
+        integer_classes: integers.classes(),
     })
 }
 

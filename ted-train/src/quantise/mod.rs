@@ -15,6 +15,8 @@ mod layer;
 mod network;
 mod report;
 mod rewards;
+#[cfg(test)]
+mod tests;
 
 pub use layer::{IntegerLayer, LayerInput};
 pub use network::{Calibration, LayerReport, NetworkReport, QuantisedNetwork};
@@ -24,12 +26,13 @@ pub use rewards::QuantisedRewards;
 use ted_core::integer::{IntegerError, IntegerPolicy, IntegerScratch};
 use ted_core::quantised::QuantisedPolicy;
 use ted_core::{
-    NEW_EPISODE, Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch, TedDiscount,
+    DiscountClass, NEW_EPISODE, Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch,
+    TedDiscount,
 };
 use ted_policy::IntegerSpec;
 
 use crate::dataset::Dataset;
-use crate::ted::DiscountConfig;
+use crate::ted::{DiscountConfig, classes};
 
 /// Observations that the networks are calibrated on and compared by.
 const CALIBRATION: usize = 8192;
@@ -103,13 +106,17 @@ impl QuantisedNetworks {
                 .and_then(|(_, rule)| rule.integer_threshold(&rewards.returns_hat));
             report.rewards = Some(RewardReport {
                 members,
-                class_changes: originals.ted.zip(threshold).map(|((ted, _), threshold)| {
-                    class_changes(&ted, originals.returns_hat, threshold, &rewards.returns_hat)
-                }),
+                class_changes: None,
                 episodes: rewards.returns_hat.len(),
             });
             quantised.rewards = Some(rewards);
             quantised.threshold = threshold;
+        }
+        if let (Some((ted, _)), Some(rewards)) = (originals.ted, &mut report.rewards) {
+            let floats = classes(&ted, originals.returns_hat);
+            rewards.class_changes = quantised
+                .classes()
+                .map(|integers| integers.iter().zip(&floats).filter(|(a, b)| a != b).count());
         }
         Ok((quantised, report))
     }
@@ -126,6 +133,17 @@ impl QuantisedNetworks {
                 .transpose()?,
             threshold: self.threshold,
         })
+    }
+
+    /// The class of every episode of the dataset by the integers' own returns and border, if there is one.
+    #[must_use]
+    pub fn classes(&self) -> Option<Vec<DiscountClass>> {
+        let (rewards, threshold) = (self.rewards.as_ref()?, self.threshold?);
+        let returns_hat = rewards.returns_hat.iter().enumerate();
+        let class = |(index, &return_hat)| {
+            threshold.class(return_hat, u32::try_from(index).unwrap_or(NEW_EPISODE))
+        };
+        Some(returns_hat.map(class).collect())
     }
 
     fn policy_view(&self) -> Result<IntegerPolicy<'_>, IntegerError> {
@@ -170,20 +188,4 @@ fn largest_norm(
         [low, high].map(|raw| f64::from(((raw - shift) * scale).abs()))
     });
     norms.fold(0.0, f64::max)
-}
-
-/// Episodes of the dataset that the integers put on the other side of TED's border.
-fn class_changes(
-    ted: &TedDiscount,
-    returns_hat: &[f32],
-    threshold: ReturnThreshold<i64>,
-    integer_returns_hat: &[i64],
-) -> usize {
-    let pairs = returns_hat.iter().zip(integer_returns_hat).enumerate();
-    pairs
-        .filter(|&(index, (&float, &integer))| {
-            let episode = u32::try_from(index).unwrap_or(NEW_EPISODE);
-            ted.class(float, episode) != threshold.class(integer, episode)
-        })
-        .count()
 }
