@@ -25,7 +25,7 @@ pub enum Numeric {
 }
 
 /// What a tick did.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Status {
     /// Ticks since the start of the episode, this one not counted.
     pub tick: u32,
@@ -100,6 +100,22 @@ impl<'a> Controller<'a> {
             }
             Err(_) => (self.action_guard.send_safe(), status),
         }
+    }
+
+    /// What goes out when no observation came within `limit_us`: the safe action, with [`Fault::LinkSilent`] latched unless
+    /// another fault was before.
+    pub fn tick_without_observation(&mut self, limit_us: u32) -> (Action, Status) {
+        let fault = *self.latched.get_or_insert(Fault::LinkSilent { limit_us });
+        let status = Status {
+            tick: self.tick,
+            fault: Some(fault),
+            clamped: false,
+            slew_limited: false,
+            deadline_missed: false,
+            deadlines_missed: self.deadline.missed(),
+        };
+        self.tick = self.tick.saturating_add(1);
+        (self.action_guard.send_safe(), status)
     }
 
     /// Starts a new episode: the plant is at rest, and everything of the last episode is forgotten.

@@ -8,6 +8,7 @@ pub mod bridge;
 #[cfg(feature = "std")]
 pub mod cli;
 pub mod controller;
+pub mod device;
 #[cfg(feature = "std")]
 pub mod disk;
 #[cfg(feature = "std")]

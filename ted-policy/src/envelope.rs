@@ -1,5 +1,6 @@
 //! The fixed header in front of everything: what must hold before a byte of metadata is believed.
 
+use crate::crc::crc32;
 use crate::error::ArtifactError;
 
 /// The first eight bytes: a byte with the high bit set, the name, and line ends that a text-mode copy would change.
@@ -128,15 +129,12 @@ pub(crate) fn check_padding(padding: &[u8], offset: usize) -> Result<(), Artifac
     }
 }
 
-/// CRC-32 (the one of Ethernet, zlib and PNG) of all bytes, those of the checksum itself counted as zeros.
+/// The CRC-32 of all bytes, those of the checksum itself counted as zeros.
 pub(crate) fn checksum(bytes: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    if let Some((before, rest)) = bytes.split_at_checked(CHECKSUM_AT) {
-        hasher.update(before);
-        hasher.update(&[0; 4]);
-        hasher.update(rest.get(4..).unwrap_or_default());
+    match bytes.split_at_checked(CHECKSUM_AT) {
+        Some((before, rest)) => crc32(&[before, &[0; 4], rest.get(4..).unwrap_or_default()]),
+        None => crc32(&[]),
     }
-    hasher.finalize()
 }
 
 /// Writes the checksum of all other bytes into the header.

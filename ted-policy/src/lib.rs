@@ -13,7 +13,9 @@ compile_error!(
 
 mod arrays;
 mod artifact;
+mod code;
 mod contract;
+mod crc;
 mod digest;
 mod envelope;
 mod error;
@@ -32,6 +34,7 @@ mod write;
 
 pub use artifact::Artifact;
 pub use contract::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
+pub use crc::crc32;
 pub use digest::{Digest, DigestError};
 pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
 pub use error::{ArtifactError, Place};

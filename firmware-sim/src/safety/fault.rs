@@ -3,6 +3,8 @@
 use core::error::Error;
 use core::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// The reason a fault was latched.
 ///
 /// | code | reason |
@@ -16,7 +18,10 @@ use core::fmt;
 /// | 7 | the tick came too late too often in a row |
 /// | 8 | the clock went backwards |
 /// | 9 | the policy refused the shapes it was given |
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// | 10 | the link fell silent |
+///
+/// On a wire a fault is its variant's number, one less than its code, and its evidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
     /// An observation value is NaN or infinite.
     NotFinite {
@@ -68,6 +73,11 @@ pub enum Fault {
     },
     /// The policy refused the shapes it was given; a loaded controller rules this out.
     PolicyRefused,
+    /// No observation came for too long; only a device that waits for its host knows this one.
+    LinkSilent {
+        /// How long it waits.
+        limit_us: u32,
+    },
 }
 
 impl Fault {
@@ -84,6 +94,7 @@ impl Fault {
             Self::DeadlineMissed { .. } => 7,
             Self::ClockWentBack { .. } => 8,
             Self::PolicyRefused => 9,
+            Self::LinkSilent { .. } => 10,
         }
     }
 }
@@ -113,6 +124,7 @@ impl fmt::Display for Fault {
                 write!(f, "clock went back from {last_us} to {now_us} us")
             }
             Self::PolicyRefused => write!(f, "policy refused its input"),
+            Self::LinkSilent { limit_us } => write!(f, "no observation came for {limit_us} us"),
         }
     }
 }

@@ -1,0 +1,132 @@
+//! Flying an episode: ticks in, actions out, and the safe action when no tick comes.
+
+use embedded_io::{Read, ReadReady, Write};
+use ted_core::MAX_OBSERVATION;
+use ted_policy::Artifact;
+
+use super::line::{Event, Line};
+use super::message::{Acted, Refusal, Reply, Request, Start};
+use super::serve::{Next, answer};
+use super::slots::{Survey, refusal};
+use super::{Board, MappedFlash};
+use crate::controller::{Controller, Numeric};
+use crate::safety::ObservationFrame;
+
+/// The last tick: when it came, on the board's clock, and the number of its request.
+struct Heard {
+    at_us: u64,
+    number: u16,
+}
+
+/// Answers a [`Request::Start`] and what follows it, until the host wants something else.
+pub(super) fn fly<L, F, B>(
+    line: &mut Line<L>,
+    flash: &F,
+    board: &mut B,
+    survey: &Survey,
+    mut start: Start,
+) -> Next
+where
+    L: Read + ReadReady + Write,
+    F: MappedFlash,
+    B: Board,
+{
+    let Some(active) = &survey.active else {
+        line.reply(&Reply::Refused(Refusal::NoPolicy));
+        return Next::Rest;
+    };
+    let mut controller = match load(active.bytes(flash), start.numeric) {
+        Ok(controller) => controller,
+        Err(refusal) => {
+            // The flash is not what it was when it was surveyed; the other slot may still be good.
+            line.reply(&Reply::Refused(refusal));
+            return Next::Survey;
+        }
+    };
+    line.reply(&Reply::Done);
+    let mut heard: Option<Heard> = None;
+    loop {
+        let silent_at = heard
+            .as_ref()
+            .filter(|_| start.silence_us > 0)
+            .map(|heard| heard.at_us.saturating_add(u64::from(start.silence_us)));
+        match (line.wait(board, silent_at), &heard) {
+            (Event::Closed, _) => return Next::Stop,
+            (Event::Silence, None) => {}
+            (Event::Silence, Some(Heard { number, .. })) => {
+                let number = *number;
+                heard = None;
+                let (action, status) = controller.tick_without_observation(start.silence_us);
+                let silent = Acted {
+                    action,
+                    status,
+                    work: 0,
+                    score: None,
+                };
+                line.tell(number, &Reply::Silent(silent));
+            }
+            (Event::Request, _) => match line.request() {
+                Request::Tick { .. } => {
+                    heard = Some(Heard {
+                        at_us: board.now_us(),
+                        number: line.number(),
+                    });
+                    tick(line, board, &mut controller);
+                }
+                Request::Rearm => {
+                    heard = None;
+                    controller.rearm();
+                    line.reply(&Reply::Done);
+                }
+                Request::Start(again) if again.numeric == start.numeric => {
+                    (heard, start) = (None, again);
+                    controller.reset();
+                    line.reply(&Reply::Done);
+                }
+                Request::Start(other) => return Next::Fly(other),
+                Request::FlashBegin(announced) => return Next::Receive(announced),
+                _ => answer(line, flash, board, survey),
+            },
+        }
+    }
+}
+
+#[inline(never)]
+fn load(bytes: &[u8], numeric: Numeric) -> Result<Controller<'_>, Refusal> {
+    let artifact = Artifact::parse(bytes).map_err(refusal)?;
+    Controller::load(&artifact, numeric).map_err(refusal)
+}
+
+fn tick<L, B>(line: &mut Line<L>, board: &mut B, controller: &mut Controller<'_>)
+where
+    L: Read + ReadReady + Write,
+    B: Board,
+{
+    let Request::Tick {
+        now_us,
+        sequence,
+        stamp_us,
+        values,
+    } = line.request()
+    else {
+        return;
+    };
+    let mut room = [0.0; MAX_OBSERVATION];
+    let Some(values) = values.copy_to(&mut room) else {
+        return line.reply(&Reply::Refused(Refusal::Malformed));
+    };
+    let frame = ObservationFrame {
+        sequence,
+        stamp_us,
+        values,
+    };
+    let before = board.work();
+    let (action, status) = controller.tick(now_us, &frame);
+    let work = board.work().wrapping_sub(before);
+    line.reply(&Reply::Acted(Acted {
+        action,
+        status,
+        work,
+        score: None,
+    }));
+}

@@ -1,0 +1,170 @@
+//! The device's end of the link: whole requests, each once and in order, and the last reply kept for whoever missed it.
+
+use embedded_io::{Read, ReadReady, Write};
+
+use super::counters::count;
+use super::frame::{self, MAX_REPLY_FRAME};
+use super::message::{Refusal, Reply, Request};
+use super::{Board, Counters, Receiver};
+
+/// Half of all numbers: a number less than that ahead is newer, any other is older.
+const AHEAD: u16 = 1 << 15;
+
+/// What happened on the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Event {
+    /// A new request is in [`Line::request`].
+    Request,
+    /// Nothing came until the time that was given.
+    Silence,
+    /// The other end is gone for good.
+    Closed,
+}
+
+/// The line and its two buffers.
+#[derive(Debug)]
+pub(super) struct Line<L> {
+    link: L,
+    receiver: Receiver,
+    reply: [u8; MAX_REPLY_FRAME],
+    reply_length: usize,
+    last_number: Option<u16>,
+    session: Option<u32>,
+    pub(super) counters: Counters,
+}
+
+impl<L: Read + ReadReady + Write> Line<L> {
+    pub(super) fn new(link: L) -> Self {
+        Self {
+            link,
+            receiver: Receiver::new(),
+            reply: [0; MAX_REPLY_FRAME],
+            reply_length: 0,
+            last_number: None,
+            session: None,
+            counters: Counters::default(),
+        }
+    }
+
+    /// Waits for a request that is to be acted on, until the board's clock reads `until_us`. Repeated requests are answered
+    /// here, old and broken ones dropped.
+    pub(super) fn wait(&mut self, board: &mut impl Board, until_us: Option<u64>) -> Event {
+        loop {
+            while self.receiver.advance(&mut self.counters) {
+                if self.is_next() {
+                    return Event::Request;
+                }
+            }
+            if until_us.is_some_and(|until_us| board.now_us() >= until_us) {
+                return Event::Silence;
+            }
+            match self.link.read_ready() {
+                Ok(true) => {
+                    let room = self.receiver.room(&mut self.counters);
+                    match self.link.read(room) {
+                        Ok(0) => return Event::Closed,
+                        Ok(length) => self.receiver.received(length),
+                        Err(_) => count(&mut self.counters.link_errors),
+                    }
+                }
+                Ok(false) => board.idle(),
+                Err(_) => count(&mut self.counters.link_errors),
+            }
+        }
+    }
+
+    /// The request that [`Self::wait`] found.
+    pub(super) fn request(&self) -> Request<'_> {
+        match parse(self.receiver.body().message) {
+            Some(request) => request,
+            // Ruled out by `is_next`; a greeting changes nothing.
+            None => Request::Health,
+        }
+    }
+
+    /// The number of the last request.
+    pub(super) fn number(&self) -> u16 {
+        self.last_number.unwrap_or(0)
+    }
+
+    /// Answers the last request, and keeps the answer.
+    pub(super) fn reply(&mut self, reply: &Reply<'_>) {
+        let number = self.number();
+        self.reply_length = frame::build(&mut self.reply, number, reply).unwrap_or(0);
+        self.send_reply();
+    }
+
+    /// Says something about the request of this number without being asked. If that is the last request, it is from now on
+    /// the answer to it.
+    pub(super) fn tell(&mut self, number: u16, reply: &Reply<'_>) {
+        if number == self.number() {
+            self.reply(reply);
+        } else {
+            let mut buffer = [0; MAX_REPLY_FRAME];
+            let length = frame::build(&mut buffer, number, reply).unwrap_or(0);
+            let frame = buffer.get(..length).unwrap_or_default();
+            send(&mut self.link, frame, &mut self.counters);
+        }
+    }
+
+    fn send_reply(&mut self) {
+        let frame = self.reply.get(..self.reply_length).unwrap_or_default();
+        send(&mut self.link, frame, &mut self.counters);
+    }
+
+    /// Whether the received frame is to be acted on.
+    fn is_next(&mut self) -> bool {
+        let body = self.receiver.body();
+        let (number, request) = (body.number, parse(body.message));
+        if let Some(Request::Hello { session, .. }) = request
+            && self.session != Some(session)
+        {
+            (self.session, self.last_number) = (Some(session), Some(number));
+            return true;
+        }
+        match self.last_number.map(|last| number.wrapping_sub(last)) {
+            Some(0) => {
+                count(&mut self.counters.duplicates);
+                self.send_reply();
+                return false;
+            }
+            Some(AHEAD..) => {
+                count(&mut self.counters.reordered);
+                return false;
+            }
+            Some(ahead) => {
+                let dropped = u32::from(ahead) - 1;
+                self.counters.dropped = self.counters.dropped.saturating_add(dropped);
+            }
+            None => {}
+        }
+        self.last_number = Some(number);
+        if request.is_none() {
+            count(&mut self.counters.malformed);
+            self.reply(&Reply::Refused(Refusal::Malformed));
+            return false;
+        }
+        true
+    }
+}
+
+/// Sends all of it, or counts an error: the host will ask again. (`write_all` panics at a driver that takes nothing.)
+fn send(link: &mut impl Write, mut frame: &[u8], counters: &mut Counters) {
+    while !frame.is_empty() {
+        match link.write(frame) {
+            Ok(length @ 1..) => frame = frame.get(length..).unwrap_or_default(),
+            Ok(0) | Err(_) => return count(&mut counters.link_errors),
+        }
+    }
+    if link.flush().is_err() {
+        count(&mut counters.link_errors);
+    }
+}
+
+/// A message of this protocol, and nothing behind it.
+fn parse(message: &[u8]) -> Option<Request<'_>> {
+    match postcard::take_from_bytes(message) {
+        Ok((request, [])) => Some(request),
+        _ => None,
+    }
+}

@@ -1,0 +1,78 @@
+//! Whether the bytes in a slot are an artefact that this device flies, and what distinguishes it from others.
+
+use ted_core::Scratch;
+use ted_policy::{Artifact, ArtifactError, Contract, crc32};
+
+use crate::device::frame::NAME_LENGTH;
+use crate::device::message::{Name, Refusal};
+
+/// What is worth remembering of an artefact that was found good.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Judged {
+    /// The checksum in its header.
+    pub(super) checksum: u32,
+    /// What must be the same for the same wiring: see [`wiring`].
+    pub(super) wiring: u32,
+    /// The task, as far as there is room.
+    pub(super) task: Name,
+}
+
+/// Everything a device can find out about an artefact, golden vectors last.
+///
+/// # Errors
+/// The first defect.
+#[inline(never)]
+pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
+    let artifact = Artifact::parse(bytes).map_err(refusal)?;
+    artifact
+        .verify_golden(&mut Scratch::new())
+        .map_err(refusal)?;
+    let contract = artifact.contract();
+    Ok(Judged {
+        checksum: artifact.checksum(),
+        wiring: wiring(contract),
+        task: name(contract.task),
+    })
+}
+
+/// As a refusal on the wire.
+pub(in crate::device) fn refusal(error: ArtifactError) -> Refusal {
+    match error {
+        ArtifactError::Checksum { expected, actual } => Refusal::Checksum { expected, actual },
+        ArtifactError::GoldenMismatch { case, .. } => Refusal::Golden { case: case as u16 },
+        other => Refusal::Defect { code: other.code() },
+    }
+}
+
+/// As much of a text as a greeting has room for, whole characters only.
+pub(in crate::device) fn name(text: &str) -> Name {
+    let mut name = Name::new();
+    for character in text.chars() {
+        if name.len() + character.len_utf8() > NAME_LENGTH || name.push(character).is_err() {
+            break;
+        }
+    }
+    name
+}
+
+/// A digest of what a robot is wired by: names, units and order of the channels, and the control period.
+///
+/// It stands for the contract itself, because two artefacts do not fit into the memory of a device at once.
+fn wiring(contract: &Contract<'_>) -> u32 {
+    let observation = contract
+        .observation
+        .iter()
+        .map(|channel| (channel.name, channel.unit));
+    let action = contract
+        .action
+        .iter()
+        .map(|channel| (channel.name, channel.unit));
+    let mut digest = crc32(&[&contract.control_period_us.to_le_bytes()]);
+    for (kind, (name, unit)) in observation.map(|c| (0, c)).chain(action.map(|c| (1, c))) {
+        // The lengths keep "ab", "c" apart from "a", "bc".
+        let lengths = [kind, name.len() as u8, unit.len() as u8];
+        let so_far = digest.to_le_bytes();
+        digest = crc32(&[&so_far, &lengths, name.as_bytes(), unit.as_bytes()]);
+    }
+    digest
+}
