@@ -5,7 +5,7 @@ use std::fmt::Display;
 use crate::exit::ExitCode;
 use crate::plant::PlantError;
 use crate::progress::tell;
-use crate::rollout::FlyError;
+use crate::rollout::{EpisodeError, FlyError};
 
 /// What went wrong, and what kind of thing that is.
 #[derive(Debug)]
@@ -38,6 +38,12 @@ impl From<FlyError> for Failure {
 
 impl From<PlantError> for Failure {
     fn from(error: PlantError) -> Self {
+        Self::new(error.exit_code(), error)
+    }
+}
+
+impl From<EpisodeError> for Failure {
+    fn from(error: EpisodeError) -> Self {
         Self::new(error.exit_code(), error)
     }
 }

@@ -4,6 +4,8 @@
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "std")]
+pub mod bench;
+#[cfg(feature = "std")]
 pub mod bridge;
 #[cfg(feature = "std")]
 pub mod cli;
@@ -25,6 +27,8 @@ pub mod plant;
 pub mod plants;
 #[cfg(feature = "std")]
 pub mod progress;
+#[cfg(feature = "std")]
+pub mod remote;
 #[cfg(feature = "std")]
 pub mod rollout;
 pub mod safety;

@@ -173,7 +173,7 @@ pub struct Score {
 }
 
 /// How the device and its link are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Health {
     /// Frames it did not act on, since it started.
     pub counters: Counters,

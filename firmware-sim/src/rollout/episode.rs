@@ -2,12 +2,15 @@
 
 use std::time::Instant;
 
-use super::TickTimes;
-use crate::controller::Controller;
+use thiserror::Error;
+
+use super::{Pilot, TickTimes};
+use crate::exit::ExitCode;
 use crate::plant::{Plant, PlantError};
+use crate::remote::RemoteError;
 use crate::safety::{Fault, ObservationFrame};
 
-/// What happened in an episode. A function of artefact, plant and seed: nothing in it depends on the machine.
+/// What happened in an episode. A function of artefact, plant and seed: nothing in it depends on the machine that flew it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeReport {
     /// The episode's seed.
@@ -37,15 +40,37 @@ pub struct Latched {
     pub fault: Fault,
 }
 
+/// Why an episode was not flown to its end.
+#[derive(Debug, Error)]
+pub enum EpisodeError {
+    /// The plant failed.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// The pilot failed, which a controller on this machine cannot.
+    #[error(transparent)]
+    Pilot(#[from] RemoteError),
+}
+
+impl EpisodeError {
+    /// How a command ends that fails with this error.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Plant(source) => source.exit_code(),
+            Self::Pilot(source) => source.exit_code(),
+        }
+    }
+}
+
 /// Flies the episode of this seed to its end. A latched fault does not end it: the safe action goes out until then.
 ///
 /// # Errors
-/// When the plant fails.
+/// When the plant or the pilot fails.
 pub fn fly_episode(
-    controller: &mut Controller<'_>,
+    pilot: &mut impl Pilot,
     plant: &mut impl Plant,
     seed: u64,
-) -> Result<(EpisodeReport, TickTimes), PlantError> {
+) -> Result<(EpisodeReport, TickTimes), EpisodeError> {
     let mut report = EpisodeReport {
         seed,
         return_true: 0.0,
@@ -57,7 +82,7 @@ pub fn fly_episode(
         deadlines_missed: 0,
     };
     let mut times = TickTimes::default();
-    controller.reset();
+    pilot.reset()?;
     plant.reset(seed)?;
     loop {
         let observed = plant.observe()?;
@@ -69,7 +94,7 @@ pub fn fly_episode(
             values: &observed.values,
         };
         let before = Instant::now();
-        let (action, status) = controller.tick(now_us, &frame);
+        let (action, status) = pilot.tick(now_us, &frame)?;
         times.push(before.elapsed());
 
         let outcome = plant.apply(&action)?;

@@ -1,13 +1,17 @@
-//! Flying episodes: a controller and a plant in lockstep, many plants side by side.
+//! Flying episodes: a pilot and a plant in lockstep, many plants side by side.
 //!
 //! An episode is a function of the artefact, the kind of plant and the seed. Which worker flew it, and after what, makes
-//! no difference; so the trainer's evaluation and `firmware-sim fly` agree to the bit.
+//! no difference, and neither does where the controller is; so the trainer's evaluation and `firmware-sim fly` agree to the bit.
 
+mod debrief;
 mod episode;
+mod pilot;
 mod score;
 mod tick_times;
 
-pub use episode::{EpisodeReport, Latched, fly_episode};
+pub use debrief::{Debrief, DeviceLink, DeviceSummary, Work};
+pub use episode::{EpisodeError, EpisodeReport, Latched, fly_episode};
+pub use pilot::Pilot;
 pub use score::{Summary, normalised_score};
 pub use tick_times::TickTimes;
 
@@ -22,6 +26,7 @@ use thiserror::Error;
 use crate::controller::{Controller, Numeric};
 use crate::exit::ExitCode;
 use crate::plant::{Plant, PlantError};
+use crate::remote::RemoteError;
 use crate::splitmix::mix;
 
 /// Keeps the seeds of evaluation apart from other uses of the same root seed.
@@ -46,8 +51,10 @@ pub fn episode_seeds(root: u64, episodes: usize) -> Vec<u64> {
 pub struct Flight {
     /// One report per seed, in the order of the seeds.
     pub episodes: Vec<EpisodeReport>,
-    /// How long the controller's ticks took on this machine; the only thing here that differs from run to run.
+    /// How long the controller's ticks took, seen from this machine; it differs from run to run.
     pub tick_times: TickTimes,
+    /// What the devices say of it, if it was flown on devices.
+    pub device: Option<DeviceSummary>,
 }
 
 /// Why a flight ended early.
@@ -59,13 +66,16 @@ pub enum FlyError {
     /// No plant could be had for a worker.
     #[error("make a plant ready: {0}")]
     NoPlant(#[source] PlantError),
+    /// No pilot could be had for a worker.
+    #[error("make a pilot ready: {0}")]
+    NoPilot(#[source] RemoteError),
     /// An episode failed, and, where a fresh plant could help, failed again on one.
     #[error("fly the episode of seed {seed}: {source}")]
     Episode {
         /// The episode's seed.
         seed: u64,
-        /// What the plant said.
-        source: PlantError,
+        /// What the plant or the pilot said.
+        source: EpisodeError,
     },
     /// Someone asked to stop.
     #[error("fly all episodes: stopped on request after {flown}")]
@@ -82,30 +92,49 @@ impl FlyError {
         match self {
             // The bytes are whole: it is this machine that computes something else.
             Self::Load(_) => ExitCode::Faulted,
-            Self::NoPlant(source) | Self::Episode { source, .. } => source.exit_code(),
+            Self::NoPlant(source) => source.exit_code(),
+            Self::NoPilot(source) => source.exit_code(),
+            Self::Episode { source, .. } => source.exit_code(),
             Self::Interrupted { .. } => ExitCode::Interrupted,
         }
     }
 }
 
-/// Flies one episode per seed, on `workers` plants side by side.
-///
-/// `make_plant` is called once per worker, and again when a plant's link breaks in mid-episode: that episode is flown
-/// again from its seed, once. `stop` is asked between episodes; `landed` hears of each as it ends, in any order.
+/// Flies one episode per seed with controllers on this machine, on `workers` plants side by side.
 ///
 /// # Errors
-/// When the artefact is refused, a plant fails for good, or `stop` said so.
+/// When the artefact is refused; else as [`fly_with`].
 pub fn fly<P: Plant>(
     artifact: &Artifact<'_>,
     make_plant: impl Fn() -> Result<P, PlantError> + Sync,
     seeds: &[u64],
     workers: NonZeroUsize,
     stop: impl Fn() -> bool + Sync,
-    mut landed: impl FnMut(&EpisodeReport),
+    landed: impl FnMut(&EpisodeReport),
 ) -> Result<Flight, FlyError> {
     let controller = Controller::load(artifact, Numeric::F32)?;
+    let make_pilot = || Ok(controller.clone());
+    fly_with(make_pilot, make_plant, seeds, workers, stop, landed)
+}
+
+/// Flies one episode per seed, on `workers` plants side by side, each with a pilot of its own.
+///
+/// `make_pilot` is called once per worker. `make_plant` is too, and again when a plant's link breaks in mid-episode: that
+/// episode is flown again from its seed, once. `stop` is asked between episodes; `landed` hears of each as it ends, in any
+/// order.
+///
+/// # Errors
+/// When a pilot or a plant fails for good, or `stop` said so.
+pub fn fly_with<Q: Pilot, P: Plant>(
+    make_pilot: impl Fn() -> Result<Q, RemoteError> + Sync,
+    make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    seeds: &[u64],
+    workers: NonZeroUsize,
+    stop: impl Fn() -> bool + Sync,
+    mut landed: impl FnMut(&EpisodeReport),
+) -> Result<Flight, FlyError> {
     let crew = Crew {
-        controller,
+        make_pilot,
         make_plant,
         seeds,
         stop,
@@ -119,38 +148,52 @@ pub fn fly<P: Plant>(
             scope.spawn(move || crew.work(&sender));
         }
         drop(sender);
-        let mut slots: Vec<Option<EpisodeReport>> = seeds.iter().map(|_| None).collect();
-        let mut tick_times = TickTimes::default();
+        let mut slots: Vec<Option<Landed>> = seeds.iter().map(|_| None).collect();
         let mut first_error = None;
         for message in receiver {
             match message {
-                Ok((index, report, times)) => {
-                    landed(&report);
-                    tick_times.append(times);
-                    slots[index] = Some(report);
+                Ok(home) => {
+                    landed(&home.report);
+                    let slot = home.index;
+                    slots[slot] = Some(home);
                 }
                 Err(error) => first_error = first_error.or(Some(error)),
             }
         }
-        let episodes: Vec<EpisodeReport> = slots.into_iter().flatten().collect();
+        let home: Vec<Landed> = slots.into_iter().flatten().collect();
         match first_error {
             Some(error) => Err(error),
-            None if episodes.len() < seeds.len() => Err(FlyError::Interrupted {
-                flown: episodes.len(),
-            }),
-            None => Ok(Flight {
-                episodes,
-                tick_times,
-            }),
+            None if home.len() < seeds.len() => Err(FlyError::Interrupted { flown: home.len() }),
+            None => Ok(Flight::of(home)),
         }
     })
 }
 
-type Landing = Result<(usize, EpisodeReport, TickTimes), FlyError>;
+/// An episode that ended.
+struct Landed {
+    index: usize,
+    report: EpisodeReport,
+    times: TickTimes,
+    debrief: Option<Debrief>,
+}
+
+impl Flight {
+    fn of(home: Vec<Landed>) -> Self {
+        let mut flight = Self {
+            device: DeviceSummary::of(home.iter().filter_map(|landed| landed.debrief)),
+            ..Self::default()
+        };
+        for landed in home {
+            flight.episodes.push(landed.report);
+            flight.tick_times.append(landed.times);
+        }
+        flight
+    }
+}
 
 /// What the workers of a flight share.
-struct Crew<'a, M, S> {
-    controller: Controller<'a>,
+struct Crew<'a, L, M, S> {
+    make_pilot: L,
     make_plant: M,
     seeds: &'a [u64],
     stop: S,
@@ -158,8 +201,15 @@ struct Crew<'a, M, S> {
     failed: AtomicBool,
 }
 
-impl<P: Plant, M: Fn() -> Result<P, PlantError>, S: Fn() -> bool> Crew<'_, M, S> {
-    fn work(&self, landings: &Sender<Landing>) {
+impl<Q, P, L, M, S> Crew<'_, L, M, S>
+where
+    Q: Pilot,
+    P: Plant,
+    L: Fn() -> Result<Q, RemoteError>,
+    M: Fn() -> Result<P, PlantError>,
+    S: Fn() -> bool,
+{
+    fn work(&self, landings: &Sender<Result<Landed, FlyError>>) {
         if let Err(error) = self.fly_until_done(landings) {
             self.failed.store(true, Ordering::Relaxed);
             // The receiver lives until every worker has ended.
@@ -167,21 +217,31 @@ impl<P: Plant, M: Fn() -> Result<P, PlantError>, S: Fn() -> bool> Crew<'_, M, S>
         }
     }
 
-    fn fly_until_done(&self, landings: &Sender<Landing>) -> Result<(), FlyError> {
-        let mut controller = self.controller.clone();
+    fn fly_until_done(&self, landings: &Sender<Result<Landed, FlyError>>) -> Result<(), FlyError> {
+        let mut pilot = (self.make_pilot)().map_err(FlyError::NoPilot)?;
         let mut plant = (self.make_plant)().map_err(FlyError::NoPlant)?;
         while !self.failed.load(Ordering::Relaxed) && !(self.stop)() {
             let index = self.next.fetch_add(1, Ordering::Relaxed);
             let Some(&seed) = self.seeds.get(index) else {
                 break;
             };
-            match self.fly_seed(&mut controller, &mut plant, seed) {
-                Ok((report, times)) => landings
-                    .send(Ok((index, report, times)))
-                    .unwrap_or_default(),
+            match self.fly_seed(&mut pilot, &mut plant, seed) {
+                Ok((report, times)) => {
+                    let debrief = pilot.debrief().map_err(|error| FlyError::Episode {
+                        seed,
+                        source: error.into(),
+                    })?;
+                    let home = Landed {
+                        index,
+                        report,
+                        times,
+                        debrief,
+                    };
+                    landings.send(Ok(home)).unwrap_or_default();
+                }
                 // A link may well break because of what asked for the stop.
                 Err(FlyError::Episode {
-                    source: PlantError::Link(_),
+                    source: EpisodeError::Plant(PlantError::Link(_)) | EpisodeError::Pilot(_),
                     ..
                 }) if (self.stop)() => break,
                 Err(error) => return Err(error),
@@ -192,14 +252,14 @@ impl<P: Plant, M: Fn() -> Result<P, PlantError>, S: Fn() -> bool> Crew<'_, M, S>
 
     fn fly_seed(
         &self,
-        controller: &mut Controller<'_>,
+        pilot: &mut Q,
         plant: &mut P,
         seed: u64,
     ) -> Result<(EpisodeReport, TickTimes), FlyError> {
-        let mut flown = fly_episode(controller, plant, seed);
-        if matches!(flown, Err(PlantError::Link(_))) && !(self.stop)() {
+        let mut flown = fly_episode(pilot, plant, seed);
+        if matches!(flown, Err(EpisodeError::Plant(PlantError::Link(_)))) && !(self.stop)() {
             *plant = (self.make_plant)().map_err(FlyError::NoPlant)?;
-            flown = fly_episode(controller, plant, seed);
+            flown = fly_episode(pilot, plant, seed);
         }
         flown.map_err(|source| FlyError::Episode { seed, source })
     }

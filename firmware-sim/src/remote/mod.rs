@@ -1,0 +1,16 @@
+//! The host's end of the link to a device: a controller that is somewhere else, and a way to give it another policy.
+//!
+//! Anything that reads and writes bytes can be the link. Its `read` must come back after a while when nothing comes, with
+//! `WouldBlock` or `TimedOut`, as serial ports and sockets with a read timeout do; or a device that is not there is waited
+//! for without end. The wire is `docs/device-protocol.md`.
+
+mod connection;
+mod controller;
+mod error;
+mod flash;
+mod refusal;
+
+pub use connection::{Connection, DeviceHello, LinkErrors, LinkOptions};
+pub use controller::RemoteController;
+pub use error::RemoteError;
+pub use flash::{Flashed, Progress, flash};
