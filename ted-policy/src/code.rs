@@ -29,6 +29,7 @@ impl ArtifactError {
             Self::NoGolden => 20,
             Self::GoldenMismatch { .. } => 21,
             Self::NoIntegers => 22,
+            Self::IntegerPart { .. } => 23,
         }
     }
 }

@@ -1,16 +1,19 @@
 //! Flying an episode: ticks in, actions out, and the safe action when no tick comes.
 
 use embedded_io::{Read, ReadReady, Write};
-use ted_core::MAX_OBSERVATION;
+use ted_core::{DiscountClass, MAX_OBSERVATION};
 use ted_policy::Artifact;
 
 use super::line::{Event, Line};
-use super::message::{Acted, Refusal, Reply, Request, Start};
+use super::message::{Acted, Refusal, Reply, Request, Score, Start};
 use super::serve::{Next, answer};
 use super::slots::{Survey, refusal};
 use super::{Board, MappedFlash};
 use crate::controller::{Controller, Numeric};
 use crate::safety::ObservationFrame;
+use crate::scorer::EpisodeScorer;
+
+type Loaded<'a> = (Controller<'a>, Option<EpisodeScorer<'a>>);
 
 /// The last tick: when it came, on the board's clock, and the number of its request.
 struct Heard {
@@ -35,8 +38,8 @@ where
         line.reply(&Reply::Refused(Refusal::NoPolicy));
         return Next::Rest;
     };
-    let mut controller = match load(active.bytes(flash), start.numeric) {
-        Ok(controller) => controller,
+    let (mut controller, mut scorer) = match load(active.bytes(flash), start.numeric) {
+        Ok(loaded) => loaded,
         Err(refusal) => {
             // The flash is not what it was when it was surveyed; the other slot may still be good.
             line.reply(&Reply::Refused(refusal));
@@ -71,7 +74,7 @@ where
                         at_us: board.now_us(),
                         number: line.number(),
                     });
-                    tick(line, board, &mut controller);
+                    tick(line, board, &mut controller, &mut scorer);
                 }
                 Request::Rearm => {
                     heard = None;
@@ -81,6 +84,9 @@ where
                 Request::Start(again) if again.numeric == start.numeric => {
                     (heard, start) = (None, again);
                     controller.reset();
+                    if let Some(scorer) = &mut scorer {
+                        scorer.reset();
+                    }
                     line.reply(&Reply::Done);
                 }
                 Request::Start(other) => return Next::Fly(other),
@@ -92,13 +98,18 @@ where
 }
 
 #[inline(never)]
-fn load(bytes: &[u8], numeric: Numeric) -> Result<Controller<'_>, Refusal> {
+fn load(bytes: &[u8], numeric: Numeric) -> Result<Loaded<'_>, Refusal> {
     let artifact = Artifact::parse(bytes).map_err(refusal)?;
-    Controller::load(&artifact, numeric).map_err(refusal)
+    let controller = Controller::load(&artifact, numeric).map_err(refusal)?;
+    Ok((controller, EpisodeScorer::load(&artifact, numeric)))
 }
 
-fn tick<L, B>(line: &mut Line<L>, board: &mut B, controller: &mut Controller<'_>)
-where
+fn tick<L, B>(
+    line: &mut Line<L>,
+    board: &mut B,
+    controller: &mut Controller<'_>,
+    scorer: &mut Option<EpisodeScorer<'_>>,
+) where
     L: Read + ReadReady + Write,
     B: Board,
 {
@@ -122,11 +133,22 @@ where
     };
     let before = board.work();
     let (action, status) = controller.tick(now_us, &frame);
-    let work = board.work().wrapping_sub(before);
+    let after = board.work();
+    let score = scorer.as_mut().map(|scorer| {
+        // An observation that cannot be flown on says nothing about the episode; without a fault the lengths fit.
+        if status.fault.is_none() {
+            scorer.push(values, &action).ok();
+        }
+        Score {
+            return_hat: scorer.return_hat(),
+            top_k: scorer.class() == DiscountClass::TopK,
+            work: board.work().wrapping_sub(after),
+        }
+    });
     line.reply(&Reply::Acted(Acted {
         action,
         status,
-        work,
-        score: None,
+        work: after.wrapping_sub(before),
+        score,
     }));
 }

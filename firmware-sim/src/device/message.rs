@@ -157,7 +157,7 @@ pub struct Acted {
     pub status: Status,
     /// What the tick cost, in ticks of the board's counter.
     pub work: u32,
-    /// What the device thinks of the episode so far, if its artefact has a reward ensemble.
+    /// What the device thinks of the episode so far, if its artefact has a reward ensemble and TED's border.
     pub score: Option<Score>,
 }
 
@@ -166,8 +166,8 @@ pub struct Acted {
 pub struct Score {
     /// The predicted return.
     pub return_hat: f32,
-    /// Whether the episode belongs to the top k %; nothing when the artefact has no discount of TED.
-    pub top_k: Option<bool>,
+    /// Whether the episode would belong to the top k % if it ended now.
+    pub top_k: bool,
     /// What the scoring of this tick cost, in ticks of the board's counter.
     pub work: u32,
 }

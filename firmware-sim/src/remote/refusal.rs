@@ -60,6 +60,7 @@ fn defect(code: u8) -> &'static str {
         19 => "the artefact's discount cannot be used",
         20 => "the artefact has no golden vectors",
         22 => "the artefact holds no networks in integers: export it again with them",
+        23 => "a part of the artefact is there in floats and not in integers, or the reverse",
         _ => "the artefact has a defect that this program does not know",
     }
 }

@@ -105,7 +105,7 @@ impl DeviceLink {
 /// What a device says of one episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Debrief {
-    /// What it thinks of the episode, if its artefact has a reward ensemble.
+    /// What it thinks of the episode, if its artefact has a reward ensemble and TED's border.
     pub score: Option<Score>,
     /// What its ticks took.
     pub work: Work,
@@ -122,7 +122,7 @@ pub struct Debrief {
 /// What the devices of a flight say of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviceSummary {
-    /// What they think of the episodes, in the order of the flight; empty without a reward ensemble.
+    /// What they think of the episodes, in the order of the flight; empty if it cannot score.
     pub scores: Vec<Score>,
     /// What ticks took.
     pub work: Work,

@@ -1,6 +1,7 @@
 //! Whether the bytes in a slot are an artefact that this device flies, and what distinguishes it from others.
 
 use ted_core::Scratch;
+use ted_core::integer::IntegerScratch;
 use ted_policy::{Artifact, ArtifactError, Contract, crc32};
 
 use crate::device::frame::NAME_LENGTH;
@@ -24,15 +25,27 @@ pub(super) struct Judged {
 #[inline(never)]
 pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
     let artifact = Artifact::parse(bytes).map_err(refusal)?;
-    artifact
-        .verify_golden(&mut Scratch::new())
-        .map_err(refusal)?;
+    golden_in_floats(&artifact).map_err(refusal)?;
+    if artifact.integers().is_some() {
+        golden_in_integers(&artifact).map_err(refusal)?;
+    }
     let contract = artifact.contract();
     Ok(Judged {
         checksum: artifact.checksum(),
         wiring: wiring(contract),
         task: name(contract.task),
     })
+}
+
+/// Apart, so that its working memory is on the stack for no longer than it is used.
+#[inline(never)]
+fn golden_in_floats(artifact: &Artifact<'_>) -> Result<(), ArtifactError> {
+    artifact.verify_golden(&mut Scratch::new())
+}
+
+#[inline(never)]
+fn golden_in_integers(artifact: &Artifact<'_>) -> Result<(), ArtifactError> {
+    artifact.verify_integer_golden(&mut IntegerScratch::new())
 }
 
 /// As a refusal on the wire.

@@ -1,0 +1,6 @@
+//! A device at the end of a link: the same episodes, whatever the line does, and a policy in flash, whatever the power does.
+
+mod artefacts;
+mod flight;
+mod link;
+mod slots;

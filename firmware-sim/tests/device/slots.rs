@@ -1,0 +1,1 @@
+//! Two slots: whatever happens to one, the other flies.
