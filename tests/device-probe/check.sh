@@ -23,7 +23,9 @@ control=$(symbols --features panic-on-purpose)
 echo "$control" | grep -q ' U ted_probe_panic_is_reachable$' || fail "the check is blind: it missed a panic put in on purpose"
 
 found=$(symbols)
-echo "$found" | grep -q ' T ted_probe_fly$' || fail "the entry point was not linked, so nothing was checked"
+for entry in ted_probe_fly ted_probe_serve; do
+    echo "$found" | grep -q " T $entry\$" || fail "the entry point $entry was not linked, so nothing was checked"
+done
 # What a freestanding target gives: moving and comparing bytes. Anything else is a panic, an allocator, or a system call.
 foreign=$(echo "$found" | grep ' U ' | grep -vE ' U (memcpy|memmove|memset|memcmp|bcmp|_GLOBAL_OFFSET_TABLE_)$' || true)
 [ -z "$foreign" ] || fail "the device code needs symbols that no device has:

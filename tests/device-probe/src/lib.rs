@@ -1,8 +1,11 @@
-//! The device crates behind one entry point, to prove on the linked result that they neither panic nor allocate.
+//! The device crates behind two entry points, to prove on the linked result that they neither panic nor allocate.
 //!
-//! The panic handler calls a symbol that nobody defines. If any panic is reachable from [`ted_probe_fly`], that symbol is
-//! in the linked object; if any code allocates, an allocator is missing and the build fails. `check.sh` looks for both.
+//! The panic handler calls a symbol that nobody defines. If any panic is reachable from [`ted_probe_fly`] or
+//! [`serve::ted_probe_serve`], that symbol is in the linked object; if any code allocates, an allocator is missing and the
+//! build fails. `check.sh` looks for both.
 #![no_std]
+
+mod serve;
 
 use core::panic::PanicInfo;
 
