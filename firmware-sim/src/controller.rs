@@ -16,6 +16,7 @@ use crate::safety::{
 /// In which numbers a controller computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "std", derive(clap::ValueEnum))]
 pub enum Numeric {
     /// Single precision, as trained.
     #[default]

@@ -31,6 +31,7 @@ fn flown<P: Plant>(
     let seeds = episode_seeds(7, episodes);
     fly(
         &artifact,
+        Numeric::F32,
         make_plant,
         &seeds,
         NonZeroUsize::new(workers).unwrap(),
@@ -161,6 +162,7 @@ fn a_request_to_stop_is_heard_between_episodes() {
     let seeds = episode_seeds(0, 10_000);
     let stopped = fly(
         &artifact,
+        Numeric::F32,
         || Ok(ToyPlant::new()),
         &seeds,
         NonZeroUsize::MIN,

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use firmware_sim::bridge::environment::{self, SetupError};
+use firmware_sim::controller::Numeric;
 use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
 use firmware_sim::plant::PlantError;
@@ -23,6 +24,9 @@ use crate::run::{EVALUATION, RunFolder};
 pub struct Evaluation {
     /// The task.
     pub task: String,
+    /// In which numbers the policy computed.
+    #[serde(default)]
+    pub numeric: Numeric,
     /// Root of the episodes' seeds.
     pub seed: u64,
     /// True return of each episode.
@@ -109,6 +113,7 @@ pub enum EvaluateError {
 /// When the artefact is broken, there is no simulator, or a flight cannot be finished.
 pub fn evaluate(
     artefact: &Path,
+    numeric: Numeric,
     task: Option<&str>,
     episodes: u32,
     seed: u64,
@@ -123,6 +128,7 @@ pub fn evaluate(
     let progress = audience.start(&format!("fly {task}"), u64::from(episodes), "episodes");
     let flight = fly(
         &artifact,
+        numeric,
         || MetaWorldPlant::new(&environment, task).map_err(PlantError::link),
         &episode_seeds(seed, episodes as usize),
         NonZeroUsize::new(workers).unwrap_or(NonZeroUsize::MIN),
@@ -134,6 +140,7 @@ pub fn evaluate(
     let provenance = artifact.provenance();
     Ok(Evaluation {
         task: task.to_owned(),
+        numeric,
         seed,
         returns: flight.episodes.iter().map(|e| e.return_true).collect(),
         return_mean: summary.return_mean,
@@ -172,7 +179,15 @@ pub fn evaluate_once(
         return Ok(held);
     }
     let artefact = folder.artefact_path();
-    let evaluation = evaluate(&artefact, None, episodes, seed, workers, audience)?;
+    let evaluation = evaluate(
+        &artefact,
+        Numeric::F32,
+        None,
+        episodes,
+        seed,
+        workers,
+        audience,
+    )?;
     folder.write_json(EVALUATION, &evaluation)?;
     Ok(evaluation)
 }
@@ -195,6 +210,7 @@ mod tests {
         let folder = RunFolder::begin(temporary.path(), &config, &dataset).unwrap();
         let held = Evaluation {
             task: "reach-v3".to_owned(),
+            numeric: Numeric::F32,
             seed: 3,
             returns: vec![1.0, 2.0],
             return_mean: 1.5,

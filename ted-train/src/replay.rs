@@ -50,10 +50,11 @@ pub enum ReplayDatasetError {
 /// When this machine does not compute the artefact's golden vectors, the shapes differ, or a stop is asked for.
 pub fn replay(
     artifact: &Artifact<'_>,
+    numeric: Numeric,
     dataset: &Dataset,
     audience: Audience,
 ) -> Result<Replayed, ReplayDatasetError> {
-    let mut controller = Controller::load(artifact, Numeric::F32).map_err(FlyError::Load)?;
+    let mut controller = Controller::load(artifact, numeric).map_err(FlyError::Load)?;
     let shape = RecordingShape {
         observation_dim: dataset.observation_dim(),
         action_dim: dataset.action_dim(),

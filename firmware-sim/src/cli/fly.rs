@@ -197,6 +197,7 @@ fn fly_side_by_side<P: Plant>(
         .start("fly", u64::from(args.episodes), "episodes");
     let flight = fly(
         artifact,
+        Numeric::F32,
         make_plant,
         &seeds,
         workers,

@@ -1,7 +1,7 @@
 //! Flying an episode: ticks in, actions out, and the safe action when no tick comes.
 
 use embedded_io::{Read, ReadReady, Write};
-use ted_core::{DiscountClass, MAX_OBSERVATION};
+use ted_core::{DiscountClass, MAX_OBSERVATION, NEW_EPISODE};
 use ted_policy::Artifact;
 
 use super::line::{Event, Line};
@@ -141,7 +141,7 @@ fn tick<L, B>(
         }
         Score {
             return_hat: scorer.return_hat(),
-            top_k: scorer.class() == DiscountClass::TopK,
+            top_k: scorer.class(NEW_EPISODE) == DiscountClass::TopK,
             work: board.work().wrapping_sub(after),
         }
     });

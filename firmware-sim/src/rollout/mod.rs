@@ -103,16 +103,17 @@ impl FlyError {
 /// Flies one episode per seed with controllers on this machine, on `workers` plants side by side.
 ///
 /// # Errors
-/// When the artefact is refused; else as [`fly_with`].
+/// When the artefact is refused, or has no networks in these numbers; else as [`fly_with`].
 pub fn fly<P: Plant>(
     artifact: &Artifact<'_>,
+    numeric: Numeric,
     make_plant: impl Fn() -> Result<P, PlantError> + Sync,
     seeds: &[u64],
     workers: NonZeroUsize,
     stop: impl Fn() -> bool + Sync,
     landed: impl FnMut(&EpisodeReport),
 ) -> Result<Flight, FlyError> {
-    let controller = Controller::load(artifact, Numeric::F32)?;
+    let controller = Controller::load(artifact, numeric)?;
     let make_pilot = || Ok(controller.clone());
     fly_with(make_pilot, make_plant, seeds, workers, stop, landed)
 }

@@ -29,6 +29,7 @@ fn on_the_host() -> Flight {
     let artifact = Artifact::parse(&bytes).unwrap();
     fly(
         &artifact,
+        Numeric::F32,
         || Ok(faulty_toy()),
         &episode_seeds(3, EPISODES),
         NonZeroUsize::MIN,
@@ -115,7 +116,7 @@ fn a_device_thinks_of_an_episode_what_the_host_s_scorer_thinks() {
         assert_eq!((&acted.action, acted.status), (&action, status));
         let score = acted.score.unwrap();
         assert_eq!(score.return_hat.to_bits(), scorer.return_hat().to_bits());
-        assert_eq!(score.top_k, scorer.class() == ted_core::DiscountClass::TopK);
+        assert_eq!(score.top_k, scorer.class(ted_core::NEW_EPISODE) == ted_core::DiscountClass::TopK);
         plant.apply(&action).unwrap();
     }
 }

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::controller::Numeric;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -22,6 +23,7 @@ const EXAMPLES: &str = "\
 Examples:
   ted eval runs/drawer-open-v3/true/seed-0
   ted eval runs/drawer-open-v3/true/seed-0 --episodes 200 --seed 7 --json
+  ted eval runs/drawer-open-v3/true/seed-0 --numeric integer
   ted eval runs/drawer-open-v3/true/seed-0 --replay
 
 The episodes are those of `firmware-sim fly` with the same seed, and so are the returns, to the bit. Exit code 7 when the
@@ -42,6 +44,9 @@ pub(super) struct EvalArgs {
     /// The task; the one it was trained for if not given
     #[arg(long)]
     task: Option<String>,
+    /// In which numbers the policy computes
+    #[arg(long, value_enum, default_value_t)]
+    numeric: Numeric,
     /// Simulator processes; all cores if not given. Changes nothing but the time
     #[arg(long)]
     workers: Option<NonZeroUsize>,
@@ -70,7 +75,7 @@ fn replay_logs(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
     let bytes =
         ArtifactBytes::read(artefact_of(folder)?).map_err(|e| end(EvaluateError::Load(e)))?;
     let artifact = Artifact::parse(&bytes).map_err(|e| end(EvaluateError::Artifact(e)))?;
-    let report = replay(&artifact, &dataset, args.output.audience()).map_err(end)?;
+    let report = replay(&artifact, args.numeric, &dataset, args.output.audience()).map_err(end)?;
     args.output.print(&report, || replay_text(&report))?;
     verdict(report.faults.len(), report.episodes)
 }
@@ -79,6 +84,7 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
     let config = Config::read(&folder.config_path()).map_err(end)?;
     let report = evaluate(
         &artefact_of(folder)?,
+        args.numeric,
         args.task.as_deref(),
         args.episodes,
         args.seed.unwrap_or(config.seed),
@@ -87,7 +93,8 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
     )
     .map_err(end)?;
     // A run that was never flown is from now on.
-    let of_the_run = args.task.is_none() && report.seed == config.seed;
+    let of_the_run =
+        args.task.is_none() && report.seed == config.seed && report.numeric == Numeric::F32;
     if of_the_run && !folder.file(EVALUATION).exists() {
         folder.write_json(EVALUATION, &report).map_err(end)?;
     }
@@ -143,13 +150,17 @@ pub(super) fn text(report: &Evaluation) -> String {
     let score =
         |score: Option<f64>| score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
     format!(
-        "{task}: {episodes} episodes, seed {seed}\n\
+        "{task}: {episodes} episodes, seed {seed}{numeric}\n\
          return            {mean:.1} +- {sd:.1}\n\
          normalised score  {normalised}\n\
          success           {success:.3}\n\
          dataset           mean return {dataset_mean:.1}, largest {dataset_max:.1}\n\
          faulted episodes  {faulted}{faults}",
         task = report.task,
+        numeric = match report.numeric {
+            Numeric::F32 => "",
+            Numeric::Integer => ", in integers",
+        },
         episodes = report.returns.len(),
         seed = report.seed,
         mean = report.return_mean,

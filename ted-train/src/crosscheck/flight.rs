@@ -34,6 +34,7 @@ pub(super) fn fly_again(
     let episodes = episodes.min(u32::try_from(held.returns.len()).unwrap_or(episodes));
     let flown = evaluate(
         &folder.artefact_path(),
+        held.numeric,
         Some(&held.task),
         episodes,
         held.seed,
