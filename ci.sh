@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Everything that must pass before a merge, cheapest first. Needs Rust and Python; the simulator's packages are installed
-# by the tests that need them. One profile throughout: burn is built once, and tests of numbers want it optimised.
+# Everything that must pass before a merge, cheapest first. Needs Rust, Python, and for the firmware QEMU and a C compiler; on a
+# Debian machine of CI's own what is missing is installed. The simulator's packages are installed by the tests that need them.
+# One profile throughout: burn is built once, and tests of numbers want it optimised.
 set -euo pipefail
 cd "$(dirname "$0")"
 if [ -n "${CI:-}" ]; then
@@ -41,8 +42,31 @@ installed() {
         rustup component add "$package" 2>/dev/null || missing "cargo $component: rustup component add $package"
     done
     find_python
+    for_the_firmware
     cargo --version
     "$python" --version
+    qemu-system-arm --version | head -1
+}
+
+# QEMU, a C compiler for its plugin, and a Rust compiler for the three cores.
+for_the_firmware() {
+    command -v qemu-system-arm >/dev/null || debian qemu-system-arm
+    command -v cc >/dev/null || debian gcc libc6-dev
+    command -v nm >/dev/null || debian binutils
+    for target in thumbv7em-none-eabihf thumbv8m.main-none-eabihf; do
+        rustup target list --installed 2>/dev/null | grep -qx "$target" && continue
+        rustup target add "$target" 2>/dev/null && continue
+        [ -e /usr/lib/rustlib/src/rust/library/core/src/lib.rs ] && command -v arm-none-eabi-ld >/dev/null && continue
+        debian rustc-web cargo-web rust-web-src binutils-arm-none-eabi
+    done
+}
+
+# Installs packages where that is nobody's own machine, and names them elsewhere.
+debian() {
+    if [ -n "${CI:-}" ] && [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; then
+        apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null && return
+    fi
+    missing "$*: on Debian, apt-get install $*"
 }
 
 # The interpreter that the bridge chooses, and the same conditions: firmware-sim/src/bridge/environment/python.rs.
