@@ -116,7 +116,10 @@ fn a_device_thinks_of_an_episode_what_the_host_s_scorer_thinks() {
         assert_eq!((&acted.action, acted.status), (&action, status));
         let score = acted.score.unwrap();
         assert_eq!(score.return_hat.to_bits(), scorer.return_hat().to_bits());
-        assert_eq!(score.top_k, scorer.class(ted_core::NEW_EPISODE) == ted_core::DiscountClass::TopK);
+        assert_eq!(
+            score.top_k,
+            scorer.class(ted_core::NEW_EPISODE) == ted_core::DiscountClass::TopK
+        );
         plant.apply(&action).unwrap();
     }
 }

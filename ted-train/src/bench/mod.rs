@@ -12,6 +12,7 @@ use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use serde::Serialize;
 use ted_core::ShapeError;
+use ted_core::integer::IntegerError;
 
 use crate::dataset::DatasetError;
 
@@ -72,6 +73,9 @@ pub enum BenchError {
     /// The synthetic policy.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// The same in integers.
+    #[error(transparent)]
+    Integer(#[from] IntegerError),
     /// There is no simulator.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -113,7 +117,12 @@ pub fn bench(config: &BenchConfig, audience: Audience) -> Result<Bench, BenchErr
         ratio: ndarray.median_s / flex.median_s,
     });
     timings.extend([flex, ndarray]);
-    timings.push(act::measure(config.repetitions)?);
+    let [float, integer] = act::measure(config.repetitions)?;
+    ratios.push(Ratio {
+        what: "an action, integers over f32".to_owned(),
+        ratio: float.median_s / integer.median_s,
+    });
+    timings.extend([float, integer]);
     if let Some(steps) = config.simulator_steps {
         let environment = environment::ensure(audience)?;
         audience.note(&format!(

@@ -179,7 +179,7 @@ impl Ends for QuickstartError {
 impl Ends for BenchError {
     fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Dataset(_) | Self::Shape(_) => ExitCode::BadInput,
+            Self::Dataset(_) | Self::Shape(_) | Self::Integer(_) => ExitCode::BadInput,
             Self::Setup(error) => error.exit_code(),
             Self::Bridge(error) => error.exit_code(),
             Self::Interrupted => ExitCode::Interrupted,
