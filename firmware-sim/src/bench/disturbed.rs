@@ -20,6 +20,8 @@ pub enum Disturbance {
     FlipBit,
     /// Other bytes come before it, among them zeros.
     Noise,
+    /// It arrives, and once more behind the next one that is sent the same way.
+    Echo,
 }
 
 /// Which way a frame goes.
@@ -65,14 +67,29 @@ struct Way {
 
 impl Disturbance {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Drop,
         Self::Duplicate,
         Self::Reorder,
         Self::Truncate,
         Self::FlipBit,
         Self::Noise,
+        Self::Echo,
     ];
+
+    /// What a person calls it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Drop => "dropped",
+            Self::Duplicate => "duplicated",
+            Self::Reorder => "reordered",
+            Self::Truncate => "truncated",
+            Self::FlipBit => "bit flipped",
+            Self::Noise => "behind noise",
+            Self::Echo => "echoed later",
+        }
+    }
 }
 
 impl<S> Disturbed<S> {
@@ -103,6 +120,11 @@ impl<S> Disturbed<S> {
             Direction::ToDevice => self.there.frames,
             Direction::ToHost => self.back.frames,
         }
+    }
+
+    /// The stream below, past all disturbances.
+    pub fn inner(&mut self) -> &mut S {
+        &mut self.stream
     }
 
     /// Disturbs one more frame.
@@ -156,6 +178,7 @@ impl Way {
         match disturbance {
             Some(Disturbance::Drop) => frame.clear(),
             Some(Disturbance::Duplicate) => frame = frame.repeat(2),
+            Some(Disturbance::Echo) => self.held_back = Some(frame.clone()),
             Some(Disturbance::Reorder) => self.held_back = Some(std::mem::take(&mut frame)),
             Some(Disturbance::Truncate) => {
                 frame.truncate(frame.len() / 2);

@@ -3,6 +3,7 @@
 
 mod cable;
 mod disturbed;
+pub mod drill;
 mod host_board;
 mod host_device;
 mod memory_flash;

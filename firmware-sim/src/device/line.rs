@@ -77,7 +77,7 @@ impl<L: Read + ReadReady + Write> Line<L> {
     pub(super) fn request(&self) -> Request<'_> {
         match parse(self.receiver.body().message) {
             Some(request) => request,
-            // Ruled out by `is_next`; a greeting changes nothing.
+            // Ruled out by `is_next`; a question changes nothing.
             None => Request::Health,
         }
     }

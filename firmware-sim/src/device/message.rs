@@ -225,5 +225,25 @@ pub enum Refusal {
     OtherContract,
 }
 
+impl Refusal {
+    /// The reason as a number that never changes its meaning: one more than its variant's number on the wire.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::Malformed => 1,
+            Self::NoPolicy => 2,
+            Self::NotStarted => 3,
+            Self::NotAnnounced => 4,
+            Self::Offset { .. } => 5,
+            Self::TooLarge { .. } => 6,
+            Self::Flash => 7,
+            Self::Checksum { .. } => 8,
+            Self::Defect { .. } => 9,
+            Self::Golden { .. } => 10,
+            Self::OtherContract => 11,
+        }
+    }
+}
+
 /// A name as long as a greeting has room for.
 pub type Name = String<NAME_LENGTH>;

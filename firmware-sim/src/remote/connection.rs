@@ -119,6 +119,15 @@ impl<S: Read + Write> Connection<S> {
         Ok(())
     }
 
+    /// Asks who is there as another host would, that knows nothing of this one.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn greet_anew(&mut self, session: u32) -> Result<(), RemoteError> {
+        self.options.session = session;
+        self.greet()
+    }
+
     /// Who is there.
     pub fn hello(&self) -> &DeviceHello {
         &self.hello
