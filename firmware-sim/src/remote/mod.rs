@@ -8,6 +8,8 @@ mod connection;
 mod controller;
 mod error;
 mod flash;
+#[cfg(test)]
+mod golden;
 mod refusal;
 
 pub use connection::{Connection, DeviceHello, LinkErrors, LinkOptions};
