@@ -96,6 +96,7 @@ impl<L: Read + ReadReady + Write> Line<L> {
 
     /// Says something about the request of this number without being asked. If that is the last request, it is from now on
     /// the answer to it.
+    #[inline(never)]
     pub(super) fn tell(&mut self, number: u16, reply: &Reply<'_>) {
         if number == self.number() {
             self.reply(reply);

@@ -9,6 +9,7 @@ use super::slots::{SlotReport, Survey, Transfer};
 use super::{Board, MappedFlash};
 
 /// Answers a [`Request::FlashBegin`] and what follows it, until the artefact is judged or the host wants something else.
+#[inline(never)]
 pub(super) fn receive_artefact<L, F, B>(
     line: &mut Line<L>,
     flash: &mut F,

@@ -57,6 +57,7 @@ where
     }
 }
 
+#[inline(never)]
 fn rest<L, F, B>(line: &mut Line<L>, flash: &F, board: &mut B, survey: &Survey) -> Next
 where
     L: Read + ReadReady + Write,
@@ -77,6 +78,7 @@ where
 }
 
 /// Answers the request at hand, which the present phase has no other answer to.
+#[inline(never)]
 pub(super) fn answer<L, F, B>(line: &mut Line<L>, flash: &F, board: &mut B, survey: &Survey)
 where
     L: Read + ReadReady + Write,

@@ -51,6 +51,7 @@ impl Survey {
 }
 
 /// Looks at both slots, the one that was finished later first, until one holds an artefact that passes everything.
+#[inline(never)]
 pub fn survey<F: MappedFlash>(flash: &F) -> Survey {
     let mut found = Survey::default();
     let records = [0, 1].map(|slot| read_record(flash, slot));
