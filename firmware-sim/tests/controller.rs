@@ -1,7 +1,7 @@
 //! The controller, one tick at a time: what it refuses to load, what it refuses to fly on, and what it sends.
 
 use firmware_sim::controller::{Controller, Numeric};
-use firmware_sim::plants::toy::{artifact_bytes, artifact_spec};
+use firmware_sim::plants::toy::artifact_spec;
 use firmware_sim::safety::{Action, Fault, ObservationFrame};
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ArtifactSpec, SafeAction, write};
@@ -271,6 +271,7 @@ fn a_policy_that_overflows_is_stopped() {
     let normaliser = Normaliser::new(&[0.0; 5], &[4.0; 5]).unwrap();
     let mut spec = artifact_spec().unwrap();
     spec.policy = Policy::new(normaliser, Mlp::new(&[layer], Output::Linear).unwrap()).unwrap();
+    spec.integers = None;
     spec.golden_obs_raw = &[0.0; 5];
     let fault = loaded(&spec, |controller| {
         tick(&mut controller.unwrap(), 0, &GOOD).1
@@ -330,17 +331,22 @@ fn a_late_tick_is_counted_and_three_in_a_row_are_a_fault() {
 
 #[test]
 fn a_machine_that_computes_other_bits_does_not_fly() {
-    let mut bytes = artifact_bytes().unwrap();
-    // The last number of the file is a golden reward; the checksum is mended as a forger would.
-    let flipped = bytes.len() - bytes.iter().rev().position(|byte| *byte != 0).unwrap() - 1;
-    bytes[flipped] ^= 1;
-    mend_checksum(&mut bytes);
-    let bytes = ArtifactBytes::from_vec(bytes);
-    let refused = Controller::load(&Artifact::parse(&bytes).unwrap(), Numeric::F32).unwrap_err();
-    assert!(
-        matches!(refused, ArtifactError::GoldenMismatch { .. }),
-        "{refused}"
-    );
+    let mut floats = artifact_spec().unwrap();
+    floats.integers = None;
+    let with_integers = artifact_spec().unwrap();
+    for (spec, numeric) in [(floats, Numeric::F32), (with_integers, Numeric::Integer)] {
+        let mut bytes = write(&spec).unwrap();
+        // The last number of the file is a golden reward; the checksum is mended as a forger would.
+        let flipped = bytes.len() - bytes.iter().rev().position(|byte| *byte != 0).unwrap() - 1;
+        bytes[flipped] ^= 1;
+        mend_checksum(&mut bytes);
+        let bytes = ArtifactBytes::from_vec(bytes);
+        let refused = Controller::load(&Artifact::parse(&bytes).unwrap(), numeric).unwrap_err();
+        assert!(
+            matches!(refused, ArtifactError::GoldenMismatch { .. }),
+            "{refused}"
+        );
+    }
 }
 
 /// The checksum is a CRC-32 of the file with the checksum's own four bytes, at offset 12, left as zeros.

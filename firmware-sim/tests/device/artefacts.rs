@@ -36,6 +36,13 @@ pub fn rewired_artefact() -> Vec<u8> {
     write(&spec).unwrap()
 }
 
+/// An artefact that can be flown in floats only.
+pub fn artefact_without_integers() -> Vec<u8> {
+    let mut spec = toy::artifact_spec().unwrap();
+    spec.integers = None;
+    write(&spec).unwrap()
+}
+
 /// The checksum in an artefact's header.
 pub fn checksum(artefact: &[u8]) -> u32 {
     u32::from_le_bytes(artefact[12..16].try_into().unwrap())

@@ -2,19 +2,21 @@
 
 use std::num::NonZeroUsize;
 
-use firmware_sim::bench::{Disturbed, HostDevice};
+use firmware_sim::bench::{Disturbed, HostDevice, MemoryFlash};
 use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::device::message::Start;
+use firmware_sim::plant::Plant;
 use firmware_sim::plants::fault::FaultInjector;
 use firmware_sim::plants::toy::{self, ToyPlant};
 use firmware_sim::remote::{Connection, LinkOptions, RemoteController, RemoteError};
-use firmware_sim::rollout::{Flight, FlyError, episode_seeds, fly, fly_with};
+use firmware_sim::rollout::{EpisodeReport, Flight, FlyError, Pilot, episode_seeds, fly, fly_with};
+use firmware_sim::safety::ObservationFrame;
 use firmware_sim::scorer::EpisodeScorer;
-use firmware_sim::{plant::Plant, safety::ObservationFrame};
 use ted_policy::{Artifact, ArtifactBytes};
 
-use super::artefacts::{FLASH_BYTES, QUICK, toy_artefact, toy_device};
-use firmware_sim::bench::MemoryFlash;
+use super::artefacts::{
+    FLASH_BYTES, QUICK, artefact_without_integers, flash_with, toy_artefact, toy_device,
+};
 
 const EPISODES: usize = 12;
 
@@ -24,12 +26,12 @@ fn faulty_toy() -> FaultInjector<ToyPlant> {
     FaultInjector::new(ToyPlant::new(), plans, 5)
 }
 
-fn on_the_host() -> Flight {
+fn on_the_host(numeric: Numeric) -> Flight {
     let bytes = ArtifactBytes::from_vec(toy_artefact());
     let artifact = Artifact::parse(&bytes).unwrap();
     fly(
         &artifact,
-        Numeric::F32,
+        numeric,
         || Ok(faulty_toy()),
         &episode_seeds(3, EPISODES),
         NonZeroUsize::MIN,
@@ -39,13 +41,21 @@ fn on_the_host() -> Flight {
     .unwrap()
 }
 
+fn start(numeric: Numeric) -> Start {
+    Start {
+        numeric,
+        silence_us: 0,
+    }
+}
+
 fn on_devices<S: std::io::Read + std::io::Write>(
+    numeric: Numeric,
     workers: usize,
     device: impl Fn() -> S + Sync,
 ) -> Flight {
     let make_pilot = || {
         let connection = Connection::open(device(), QUICK)?;
-        Ok(RemoteController::new(connection, Start::default()))
+        Ok(RemoteController::new(connection, start(numeric)))
     };
     fly_with(
         make_pilot,
@@ -60,32 +70,32 @@ fn on_devices<S: std::io::Read + std::io::Write>(
 
 #[test]
 fn a_flight_on_a_device_is_the_host_s_flight() {
-    let host = on_the_host();
-    assert!(host.episodes.iter().any(|episode| episode.fault.is_some()));
-    assert!(host.episodes.iter().any(|episode| episode.fault.is_none()));
-    assert!(
+    let flights = [Numeric::F32, Numeric::Integer].map(|numeric| {
+        let host = on_the_host(numeric);
+        let any = |what: fn(&EpisodeReport) -> bool| host.episodes.iter().any(what);
+        assert!(any(|episode| episode.fault.is_some()));
+        assert!(any(|episode| episode.fault.is_none()));
+        assert!(any(|episode| episode.deadlines_missed > 0));
+        for workers in [1, 2] {
+            let flight = on_devices(numeric, workers, toy_device);
+            assert_eq!(flight.episodes, host.episodes);
+            let summary = flight.device.unwrap();
+            let ticks = EPISODES as u64 * u64::from(toy::EPISODE_STEPS);
+            assert_eq!((summary.work.times, summary.scoring.times), (ticks, ticks));
+            assert_eq!(summary.scores.len(), EPISODES);
+        }
+        assert_eq!(host.device, None);
         host.episodes
-            .iter()
-            .any(|episode| episode.deadlines_missed > 0)
-    );
-    for workers in [1, 2] {
-        let flight = on_devices(workers, toy_device);
-        assert_eq!(flight.episodes, host.episodes);
-        let summary = flight.device.unwrap();
-        assert_eq!(
-            summary.work.times,
-            EPISODES as u64 * u64::from(toy::EPISODE_STEPS)
-        );
-        assert_eq!(summary.scores.len(), EPISODES);
-    }
-    assert_eq!(host.device, None);
+    });
+    assert_ne!(flights[0], flights[1], "the numbers make a difference");
 }
 
 #[test]
 fn a_flight_over_a_noisy_line_is_the_host_s_flight() {
-    let host = on_the_host();
+    let host = on_the_host(Numeric::F32);
     for seed in 0..3 {
-        let flight = on_devices(1, || Disturbed::by_chance(toy_device(), 0.02, seed));
+        let device = || Disturbed::by_chance(toy_device(), 0.02, seed);
+        let flight = on_devices(Numeric::F32, 1, device);
         assert_eq!(flight.episodes, host.episodes, "seed {seed}");
         let link = flight.device.unwrap().link;
         assert!(!link.is_clean(), "{link:?}");
@@ -96,31 +106,34 @@ fn a_flight_over_a_noisy_line_is_the_host_s_flight() {
 fn a_device_thinks_of_an_episode_what_the_host_s_scorer_thinks() {
     let bytes = ArtifactBytes::from_vec(toy_artefact());
     let artifact = Artifact::parse(&bytes).unwrap();
-    let mut scorer = EpisodeScorer::load(&artifact, Numeric::F32).unwrap();
-    let mut controller = Controller::load(&artifact, Numeric::F32).unwrap();
     let connection = Connection::open(toy_device(), QUICK).unwrap();
-    let mut remote = RemoteController::new(connection, Start::default());
-    firmware_sim::rollout::Pilot::reset(&mut remote).unwrap();
-    let mut plant = ToyPlant::new();
-    plant.reset(1).unwrap();
-    for _ in 0..toy::EPISODE_STEPS {
-        let observed = plant.observe().unwrap();
-        let frame = ObservationFrame {
-            sequence: observed.sequence,
-            stamp_us: observed.stamp_us,
-            values: &observed.values,
-        };
-        let (action, status) = controller.tick(plant.now_us(), &frame);
-        scorer.push(&observed.values, &action).unwrap();
-        let acted = remote.act(plant.now_us(), &frame).unwrap();
-        assert_eq!((&acted.action, acted.status), (&action, status));
-        let score = acted.score.unwrap();
-        assert_eq!(score.return_hat.to_bits(), scorer.return_hat().to_bits());
-        assert_eq!(
-            score.top_k,
-            scorer.class(ted_core::NEW_EPISODE) == ted_core::DiscountClass::TopK
-        );
-        plant.apply(&action).unwrap();
+    let mut connection = Some(connection);
+    for numeric in [Numeric::F32, Numeric::Integer] {
+        let mut scorer = EpisodeScorer::load(&artifact, numeric).unwrap();
+        let mut controller = Controller::load(&artifact, numeric).unwrap();
+        let mut remote = RemoteController::new(connection.take().unwrap(), start(numeric));
+        remote.reset().unwrap();
+        let mut plant = ToyPlant::new();
+        plant.reset(1).unwrap();
+        for _ in 0..toy::EPISODE_STEPS {
+            let observed = plant.observe().unwrap();
+            let frame = ObservationFrame {
+                sequence: observed.sequence,
+                stamp_us: observed.stamp_us,
+                values: &observed.values,
+            };
+            let (action, status) = controller.tick(plant.now_us(), &frame);
+            scorer.push(&observed.values, &action).unwrap();
+            let acted = remote.act(plant.now_us(), &frame).unwrap();
+            assert_eq!((&acted.action, acted.status), (&action, status));
+            let score = acted.score.unwrap();
+            assert_eq!(score.return_hat.to_bits(), scorer.return_hat().to_bits());
+            let top_k = scorer.class(ted_core::NEW_EPISODE) == ted_core::DiscountClass::TopK;
+            assert_eq!(score.top_k, top_k);
+            plant.apply(&action).unwrap();
+        }
+        assert!(scorer.return_hat() > 60.0, "{}", scorer.return_hat());
+        connection = Some(remote.into_connection());
     }
 }
 
@@ -150,17 +163,13 @@ fn a_device_without_a_policy_says_so_and_flies_nothing() {
 
 #[test]
 fn integers_are_not_flown_where_there_are_none() {
-    let connection = Connection::open(toy_device(), QUICK).unwrap();
-    let start = Start {
-        numeric: Numeric::Integer,
-        silence_us: 0,
-    };
-    let mut remote = RemoteController::new(connection, start);
-    let error = firmware_sim::rollout::Pilot::reset(&mut remote).unwrap_err();
-    assert!(
-        error.to_string().contains("no networks in integers"),
-        "{error}"
-    );
+    let device = HostDevice::power_on(flash_with(&[&artefact_without_integers()]));
+    let connection = Connection::open(device, QUICK).unwrap();
+    let mut remote = RemoteController::new(connection, start(Numeric::Integer));
+    let error = remote.reset().unwrap_err().to_string();
+    assert!(error.contains("no networks in integers"), "{error}");
+    let mut remote = RemoteController::new(remote.into_connection(), start(Numeric::F32));
+    assert!(remote.reset().is_ok(), "it flies in floats");
 }
 
 #[test]

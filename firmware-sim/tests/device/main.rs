@@ -4,4 +4,5 @@ mod artefacts;
 mod drill;
 mod flight;
 mod link;
+mod silence;
 mod slots;

@@ -1,13 +1,16 @@
 //! A policy for the toy, written down instead of trained: a proportional controller as a small network, and a reward
 //! ensemble that dislikes distance. Its artefact has every part that a trained one has.
 
+use ted_core::integer::{
+    IntegerDense, IntegerError, IntegerMlp, IntegerPolicy, IntegerRange, IntegerRewardEnsemble,
+};
 use ted_core::{
     Dense, DiscountError, Mlp, Normaliser, Output, Policy, ReturnThreshold, RewardEnsemble,
     RewardInput, RewardRange, ShapeError, TedDiscount,
 };
 use ted_policy::{
-    ActionChannel, ArtifactSpec, Contract, ContractFault, Digest, ObservationChannel, Provenance,
-    SafeAction, WriteError, write,
+    ActionChannel, ArtifactSpec, Contract, ContractFault, Digest, IntegerSpec, ObservationChannel,
+    Provenance, SafeAction, WriteError, write,
 };
 use thiserror::Error;
 
@@ -40,6 +43,41 @@ static CLOSE: [f32; ACTION_DIM] = [0.0, 0.0, 2.0];
 static DISLIKE: [[f32; HIDDEN]; 2] = [[-0.1; HIDDEN], [-0.12; HIDDEN]];
 static NO_OFFSET: [f32; 1] = [0.0];
 
+/// The same in integers: 25 is a weight of 1 on the way, 100 on the move, 1000 in a dislike. An observation has 13 fraction
+/// bits, the way 10, a move 11, a dislike 12; the multipliers and shifts follow from that.
+static INTEGER_WAY: [i8; HIDDEN * OBSERVATION_DIM] = [
+    -125, 0, 125, 0, 0, //
+    125, 0, -125, 0, 0, //
+    0, -125, 0, 125, 0, //
+    0, 125, 0, -125, 0, //
+];
+static INTEGER_MOVE: [i8; ACTION_DIM * HIDDEN] = [
+    100, -100, 0, 0, //
+    0, 0, 100, -100, //
+    0, 0, 0, 0, //
+];
+static INTEGER_NO_BIAS: [i32; HIDDEN] = [0; HIDDEN];
+static INTEGER_CLOSE: [i32; ACTION_DIM] = [0, 0, 2 * 100 << WAY_BITS];
+static INTEGER_DISLIKE: [[i8; HIDDEN]; 2] = [[-100; HIDDEN], [-120; HIDDEN]];
+/// 0.64 and 0.512 with 31 fraction bits.
+static MOVES: [i32; HIDDEN] = [1_374_389_535; HIDDEN];
+static DISLIKES: [i32; 1] = [1_099_511_628];
+static WAY_SHIFTS: [i8; HIDDEN] = [-7; HIDDEN];
+static MOVE_SHIFTS: [i8; ACTION_DIM] = [-5; ACTION_DIM];
+static DISLIKE_SHIFTS: [i8; 1] = [-7];
+const OBSERVATION_BITS: u8 = 13;
+const WAY_BITS: u8 = 10;
+const MOVE_BITS: u8 = 11;
+const DISLIKE_BITS: u8 = 12;
+
+/// Rewards from this to 0 become 0 to 1.
+const WORST_REWARD: f32 = -4.4;
+/// The border between the episodes.
+const BORDER: ReturnThreshold = ReturnThreshold {
+    return_hat: 60.0,
+    last_tied_episode: 6,
+};
+
 /// Golden inputs: at the goal, on each side of it, and far away.
 static GOLDEN: [f32; 4 * OBSERVATION_DIM] = [
     0.0, 0.0, 0.0, 0.0, 0.0, //
@@ -54,6 +92,9 @@ pub enum ToyError {
     /// The written-down networks do not fit together.
     #[error("make the toy policy: {0}")]
     Shape(#[from] ShapeError),
+    /// The written-down networks in integers cannot be used.
+    #[error("make the toy policy: {0}")]
+    Integer(#[from] IntegerError),
     /// The written-down contract cannot be kept.
     #[error("make the toy policy: {0}")]
     Contract(ContractFault),
@@ -83,12 +124,8 @@ pub fn artifact_spec() -> Result<ArtifactSpec<'static>, ToyError> {
         )?,
     ];
     let range = RewardRange {
-        low: -4.4,
+        low: WORST_REWARD,
         high: 0.0,
-    };
-    let threshold = ReturnThreshold {
-        return_hat: 60.0,
-        last_tied_episode: 6,
     };
     Ok(ArtifactSpec {
         contract: contract().map_err(ToyError::Contract)?,
@@ -100,9 +137,60 @@ pub fn artifact_spec() -> Result<ArtifactSpec<'static>, ToyError> {
             &members,
             range,
         )?),
-        ted: Some(TedDiscount::new(0.99, 0.7, threshold)?),
-        integers: None,
+        ted: Some(TedDiscount::new(0.99, 0.7, BORDER)?),
+        integers: Some(integers()?),
         golden_obs_raw: &GOLDEN,
+    })
+}
+
+fn integers() -> Result<IntegerSpec<'static>, ToyError> {
+    let way = IntegerDense::new(
+        OBSERVATION_DIM,
+        &INTEGER_WAY,
+        &INTEGER_NO_BIAS,
+        &MOVES,
+        &WAY_SHIFTS,
+    )?;
+    let go = IntegerDense::new(
+        HIDDEN,
+        &INTEGER_MOVE,
+        &INTEGER_CLOSE,
+        &MOVES[..ACTION_DIM],
+        &MOVE_SHIFTS,
+    )?;
+    let member = |dislike| {
+        let last = IntegerDense::new(
+            HIDDEN,
+            dislike,
+            &INTEGER_NO_BIAS[..1],
+            &DISLIKES,
+            &DISLIKE_SHIFTS,
+        )?;
+        Ok::<_, ToyError>(IntegerMlp::new(&[way, last], Output::Linear)?)
+    };
+    let members = [member(&INTEGER_DISLIKE[0])?, member(&INTEGER_DISLIKE[1])?];
+    let one = f32::from(1_u16 << DISLIKE_BITS) * members.len() as f32;
+    let range = IntegerRange {
+        low: (WORST_REWARD * one) as i32,
+        high: 0,
+    };
+    let threshold = ReturnThreshold {
+        return_hat: BORDER.return_hat as i64 * i64::from(range.span()),
+        last_tied_episode: BORDER.last_tied_episode,
+    };
+    Ok(IntegerSpec {
+        policy: IntegerPolicy::new(
+            OBSERVATION_BITS,
+            MOVE_BITS,
+            IntegerMlp::new(&[way, go], Output::Tanh)?,
+        )?,
+        reward: Some(IntegerRewardEnsemble::new(
+            OBSERVATION_BITS,
+            DISLIKE_BITS,
+            &members,
+            range,
+        )?),
+        threshold: Some(threshold),
     })
 }
 
