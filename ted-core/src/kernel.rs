@@ -67,6 +67,11 @@ fn dot<const R: usize>(rows: [&[f32]; R], x: &[f32]) -> [f32; R] {
 #[inline(never)]
 fn dot_blocks<const R: usize>(rows: [&[Lanes]; R], x: &[Lanes]) -> [Lanes; R] {
     let mut sums = [[0.0; LANES]; R];
+    #[cfg(all(target_arch = "arm", target_abi = "eabihf", feature = "cortex-m"))]
+    if let (&[a, b, c, d], Ok(sums_of_four)) = (&rows[..], (&mut sums[..]).try_into()) {
+        crate::cortex_m::add_dot_f32([a, b, c, d], x, sums_of_four);
+        return sums;
+    }
     // Rows as long as `x`, said so that the compiler sees it and drops every other check from the loop.
     let count = x.len();
     if rows.iter().any(|row| row.len() != count) {

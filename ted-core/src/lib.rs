@@ -1,7 +1,7 @@
 //! On-device inference for preference-trained policies.
 #![doc = include_str!("../README.md")]
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
@@ -11,6 +11,8 @@ pub mod integer;
 pub mod quantised;
 pub mod reference;
 
+#[cfg(any(test, all(target_arch = "arm", feature = "cortex-m")))]
+mod cortex_m;
 mod dense;
 mod error;
 mod kernel;

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::dense::IntegerDense;
+use super::dense::{IntegerDense, MAX_ACTIVATION};
 use super::error::IntegerError;
 use super::kernel::dense;
 use super::scratch::{IntegerPingPong, IntegerScratch};
@@ -127,7 +127,7 @@ impl<'a> IntegerMlp<'a> {
             };
             let outputs = layer.outputs();
             let output = within(write.get_mut(..outputs), outputs)?;
-            dense(layer, input, output, |y| y.max(0));
+            dense(layer, input, output, 0);
             width = Some(outputs);
             core::mem::swap(&mut read, &mut write);
         }
@@ -135,9 +135,11 @@ impl<'a> IntegerMlp<'a> {
             None => x,
             Some(width) => within(read.get(..width), width)?,
         };
-        match self.output {
-            Output::Linear => dense(last, input, out, |y| y),
-            Output::Tanh => dense(last, input, out, |y| tanh_q15(y, fraction_bits)),
+        dense(last, input, out, -MAX_ACTIVATION);
+        if self.output == Output::Tanh {
+            for y in out {
+                *y = tanh_q15(*y, fraction_bits);
+            }
         }
         Ok(())
     }
