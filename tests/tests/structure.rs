@@ -101,6 +101,24 @@ fn integer_inference_names_no_float_type() {
 }
 
 #[test]
+fn the_core_is_unsafe_in_one_file_only() {
+    let root = root().join("ted-core/src");
+    let lib = fs::read_to_string(root.join("lib.rs")).unwrap();
+    assert!(lib.contains("#![deny(unsafe_code)]"));
+    let allowed: Vec<PathBuf> = files(&["rs"])
+        .into_iter()
+        .filter(|path| path.starts_with(&root))
+        .filter(|path| {
+            let text = fs::read_to_string(path).unwrap();
+            ["allow(unsafe_code)", "expect(unsafe_code)"]
+                .iter()
+                .any(|level| text.contains(level))
+        })
+        .collect();
+    assert_eq!(allowed, [root.join("cortex_m/assembly.rs")]);
+}
+
+#[test]
 fn every_source_file_says_first_what_it_is() {
     for path in files(&["rs"]) {
         let text = fs::read_to_string(&path).unwrap();
