@@ -7,7 +7,7 @@ pub(crate) fn add_dot_i8(rows: &[i8], inputs: usize, pairs: &AllPairs, sums: &mu
     assert!(inputs >= COLUMNS && rows.len() == ROWS * inputs);
     for (sum, row) in sums.iter_mut().zip(rows.chunks_exact(inputs)) {
         let whole = row.chunks_exact(COLUMNS);
-        let last = (inputs % COLUMNS != 0).then(|| &row[inputs - COLUMNS..]);
+        let last = (!inputs.is_multiple_of(COLUMNS)).then(|| &row[inputs - COLUMNS..]);
         for (word, [even, odd]) in whole.chain(last).zip(pairs) {
             let word = u32::from_le_bytes([0, 1, 2, 3].map(|k| word[k] as u8));
             *sum = smlad(sxtb16(word), *even, *sum);

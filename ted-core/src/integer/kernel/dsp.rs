@@ -14,7 +14,7 @@ impl Activations {
     }
 
     /// Takes the input over, in the order that [`add_dot_i8`] asks for.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn take(&mut self, x: &[i16]) {
         let (words, rest) = x.as_chunks::<COLUMNS>();
         let mut pairs = self.0.iter_mut();
