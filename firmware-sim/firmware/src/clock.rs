@@ -1,0 +1,59 @@
+//! The time since start-up: SysTick, 24 bits wide, carried on to 64.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{SCB, SYST};
+use cortex_m_rt::exception;
+
+use crate::board::MAP;
+
+/// Ticks in one round of SysTick.
+const ROUND: u64 = 1 << 24;
+const RELOAD: u32 = 0x00ff_ffff;
+const TICKS_PER_US: u64 = (MAP.clock_hz / 1_000_000) as u64;
+
+static ROUNDS: AtomicU32 = AtomicU32::new(0);
+
+#[exception]
+fn SysTick() {
+    // Whoever reads is interrupted by this, never the other way round.
+    ROUNDS.store(
+        ROUNDS.load(Ordering::Relaxed).wrapping_add(1),
+        Ordering::Relaxed,
+    );
+}
+
+/// A clock that runs.
+pub struct Clock(());
+
+impl Clock {
+    /// Starts it at zero.
+    pub fn start(mut timer: SYST) -> Self {
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(RELOAD);
+        timer.clear_current();
+        timer.enable_interrupt();
+        timer.enable_counter();
+        Self(())
+    }
+
+    /// Processor clocks since the start.
+    pub fn ticks(&self) -> u64 {
+        loop {
+            let rounds = ROUNDS.load(Ordering::Relaxed);
+            let ended = SCB::is_pendst_pending();
+            let within = RELOAD - SYST::get_current();
+            // A round that ends between these readings would count twice, or not at all.
+            if rounds == ROUNDS.load(Ordering::Relaxed) && ended == SCB::is_pendst_pending() {
+                let rounds = u64::from(rounds) + u64::from(ended);
+                return rounds * ROUND + u64::from(within);
+            }
+        }
+    }
+
+    /// Microseconds since the start.
+    pub fn now_us(&self) -> u64 {
+        self.ticks() / TICKS_PER_US
+    }
+}
