@@ -2,6 +2,8 @@
 # Builds the firmware images: firmware-sim/firmware/build.sh [board...], all boards if none is named. Each becomes
 # target/firmware/BOARD.elf, with the compiler that made it in BOARD.txt: the code may differ from compiler to compiler.
 #
+# The paths of the images go to standard output, one a line.
+#
 # Two toolchains do. rustup's, with the target of the board; or, on Debian, rustc-web, cargo-web and rust-web-src with the
 # linker of binutils-arm-none-eabi, which compile Rust's core library along. TED_FIRMWARE_TOOLCHAIN=rustup or =debian
 # insists on one of them.
@@ -83,9 +85,15 @@ build() {
     cp "$out/$toolchain/$target/release/ted-firmware" "$out/$board.elf.new"
     mv "$out/$board.elf.new" "$out/$board.elf"
     "${rustc[@]}" --version | sed "s/\$/, $toolchain, for $processor/" >"$out/$board.txt"
-    printf 'firmware build: %s by %s\n' "$out/$board.elf" "$(cat "$out/$board.txt")"
+    printf 'firmware build: %s by %s\n' "$board" "$(cat "$out/$board.txt")" >&2
+    echo "$out/$board.elf"
 }
 
+# Boards of one target share a folder in which each image has the same name, so two builds at once take turns.
+exec 9>"$out/lock"
+if command -v flock >/dev/null; then
+    flock 9
+fi
 for board in "${boards[@]}"; do
     build "$board"
 done

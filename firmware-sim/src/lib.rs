@@ -20,6 +20,8 @@ pub mod failure;
 #[cfg(feature = "std")]
 pub mod interrupt;
 #[cfg(feature = "std")]
+mod last_words;
+#[cfg(feature = "std")]
 pub mod output;
 #[cfg(feature = "std")]
 pub mod plant;
@@ -27,6 +29,8 @@ pub mod plant;
 pub mod plants;
 #[cfg(feature = "std")]
 pub mod progress;
+#[cfg(feature = "std")]
+pub mod qemu;
 #[cfg(feature = "std")]
 pub mod remote;
 #[cfg(feature = "std")]

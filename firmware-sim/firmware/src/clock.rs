@@ -1,4 +1,4 @@
-//! The time since start-up: SysTick, 24 bits wide, carried on to 64.
+//! The time since start-up: the rounds of SysTick, counted.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -8,9 +8,9 @@ use cortex_m_rt::exception;
 
 use crate::board::MAP;
 
-/// Ticks in one round of SysTick.
-const ROUND: u64 = 1 << 24;
-const RELOAD: u32 = 0x00ff_ffff;
+/// Processor clocks in one round of SysTick: 4 or 5 ms, which is the longest sleep. It is 24 bits wide.
+const ROUND: u32 = 100_000;
+const RELOAD: u32 = ROUND - 1;
 const TICKS_PER_US: u64 = (MAP.clock_hz / 1_000_000) as u64;
 
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
@@ -47,7 +47,7 @@ impl Clock {
             // A round that ends between these readings would count twice, or not at all.
             if rounds == ROUNDS.load(Ordering::Relaxed) && ended == SCB::is_pendst_pending() {
                 let rounds = u64::from(rounds) + u64::from(ended);
-                return rounds * ROUND + u64::from(within);
+                return rounds * u64::from(ROUND) + u64::from(within);
             }
         }
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::frame::FrameError;
-use super::last_words::LastWords;
+use crate::last_words::LastWords;
 use super::message::{FaultCode, MessageError};
 use crate::exit::ExitCode;
 

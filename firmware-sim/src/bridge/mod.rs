@@ -9,7 +9,6 @@ mod error;
 pub mod frame;
 #[cfg(test)]
 mod golden;
-mod last_words;
 mod link;
 pub mod message;
 mod pool;
@@ -19,7 +18,7 @@ mod worker;
 pub use environment::Environment;
 pub use episode::{Behaviour, Episode, EpisodeJob};
 pub use error::BridgeError;
-pub use last_words::LastWords;
+pub use crate::last_words::LastWords;
 pub use message::{Shape, Step};
 pub use pool::Pool;
 pub use worker::Worker;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::environment::Environment;
 use super::error::BridgeError;
-use super::last_words::Listener;
+use crate::last_words::Listener;
 use super::message::Step;
 use super::worker::{Worker, settings};
 use crate::interrupt;

@@ -9,7 +9,7 @@ use super::environment::Environment;
 use super::episode::{Episode, EpisodeJob};
 use super::error::{BridgeError, Nonsense};
 use super::frame::PROTOCOL_VERSION;
-use super::last_words::{LastWords, Listener};
+use crate::last_words::{LastWords, Listener};
 use super::link::{Link, LinkError};
 use super::message::{self, FaultCode, MessageError, Shape, Step, kind};
 

@@ -1,0 +1,118 @@
+//! Finds QEMU, and starts boards in it.
+
+use std::env;
+use std::io;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::{Board, Device, Firmware, Link, QemuError};
+
+/// Names the emulator to use, if it is not the one on the path.
+pub const EMULATOR_VARIABLE: &str = "TED_QEMU";
+
+const NAME: &str = "qemu-system-arm";
+
+/// The oldest version tried. Older ones may well do.
+const OLDEST: u32 = 7;
+
+/// Lets the kernel kill a process when its parent ends; on Linux it comes with the base system.
+const GUARDIAN: &str = "setpriv";
+
+/// A QEMU that can be started.
+#[derive(Clone, Debug)]
+pub struct Emulator {
+    path: PathBuf,
+    version: String,
+    guarded: bool,
+}
+
+impl Emulator {
+    /// The one named by `TED_QEMU`, or else `qemu-system-arm` on the path.
+    ///
+    /// # Errors
+    /// When there is none, it does not run, or it is too old.
+    pub fn find() -> Result<Self, QemuError> {
+        let path = env::var_os(EMULATOR_VARIABLE).filter(|named| !named.is_empty());
+        let path = path.map_or_else(|| PathBuf::from(NAME), PathBuf::from);
+        let words = first_line(&path).map_err(|source| QemuError::NoEmulator {
+            path: path.clone(),
+            source,
+        })?;
+        let version = words
+            .rsplit_once("version ")
+            .map_or("", |(_, version)| version);
+        let major = version.split('.').next().and_then(|it| it.parse().ok());
+        match major {
+            Some(OLDEST..) => Ok(Self {
+                version: version.to_owned(),
+                guarded: first_line(Path::new(GUARDIAN)).is_ok(),
+                path,
+            }),
+            Some(0..OLDEST) | None => Err(QemuError::UnfitEmulator {
+                path,
+                words,
+                oldest: OLDEST,
+            }),
+        }
+    }
+
+    /// How it is called.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its version, as it says.
+    #[must_use]
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// Starts a board. The flash for artefacts is in the file `flash_image`, which is made if it is not there; without one
+    /// it forgets everything when the device ends.
+    ///
+    /// The device ends at the latest with the thread that started it, however that ends.
+    ///
+    /// # Errors
+    /// When no process can be started. What is wrong with it afterwards is found on the first use of the device.
+    pub fn start(
+        &self,
+        firmware: &Firmware,
+        link: Link,
+        flash_image: Option<&Path>,
+    ) -> Result<Device, QemuError> {
+        let mut command = if self.guarded {
+            let mut command = Command::new(GUARDIAN);
+            command.args(["--pdeathsig", "KILL", "--"]).arg(&self.path);
+            command
+        } else {
+            Command::new(&self.path)
+        };
+        let board: Board = firmware.board();
+        command
+            .args(board.arguments(flash_image))
+            .args(link.arguments())
+            .arg("-kernel")
+            .arg(firmware.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            // Out of the terminal's foreground group: Ctrl-C is the parent's business alone.
+            .process_group(0);
+        Device::spawn(&mut command, board).map_err(|source| QemuError::Spawn {
+            path: self.path.clone(),
+            source,
+        })
+    }
+}
+
+/// The first line of what a program says of its version.
+fn first_line(program: &Path) -> io::Result<String> {
+    let output = Command::new(program)
+        .arg("--version")
+        .stdin(Stdio::null())
+        .output()?;
+    let words = String::from_utf8_lossy(&output.stdout);
+    Ok(words.lines().next().unwrap_or_default().to_owned())
+}

@@ -1,0 +1,15 @@
+//! Emulated boards: QEMU runs the firmware of `firmware-sim/firmware`, and hands out its link as a stream of bytes.
+//!
+//! [`Emulator::find`] and [`Firmware::find`] look for what is needed, [`Emulator::start`] gives a running [`Device`].
+
+mod board;
+mod device;
+mod emulator;
+mod error;
+mod firmware;
+
+pub use board::{Board, INSTRUCTIONS_PER_SECOND, Link};
+pub use device::Device;
+pub use emulator::{EMULATOR_VARIABLE, Emulator};
+pub use error::QemuError;
+pub use firmware::{FIRMWARE_VARIABLE, Firmware};
