@@ -6,12 +6,12 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 use cortex_m_rt::exception;
 
-use crate::board::MAP;
+use crate::map::MAP;
 
 /// Processor clocks in one round of SysTick: 4 or 5 ms, which is the longest sleep. It is 24 bits wide.
 const ROUND: u32 = 100_000;
 const RELOAD: u32 = ROUND - 1;
-const TICKS_PER_US: u64 = (MAP.clock_hz / 1_000_000) as u64;
+const TICKS_PER_US: u32 = MAP.clock_hz / 1_000_000;
 
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
 
@@ -38,22 +38,28 @@ impl Clock {
         Self(())
     }
 
-    /// Processor clocks since the start.
-    pub fn ticks(&self) -> u64 {
+    /// Processor clocks since the start, round the end of `u32`.
+    pub fn ticks(&self) -> u32 {
+        let (rounds, within) = Self::read();
+        rounds.wrapping_mul(ROUND).wrapping_add(within)
+    }
+
+    /// Microseconds since the start; it would go back to zero after half a year.
+    pub fn now_us(&self) -> u64 {
+        let (rounds, within) = Self::read();
+        u64::from(rounds) * u64::from(ROUND / TICKS_PER_US) + u64::from(within / TICKS_PER_US)
+    }
+
+    /// Rounds since the start, and processor clocks since the last one.
+    fn read() -> (u32, u32) {
         loop {
             let rounds = ROUNDS.load(Ordering::Relaxed);
             let ended = SCB::is_pendst_pending();
             let within = RELOAD - SYST::get_current();
             // A round that ends between these readings would count twice, or not at all.
             if rounds == ROUNDS.load(Ordering::Relaxed) && ended == SCB::is_pendst_pending() {
-                let rounds = u64::from(rounds) + u64::from(ended);
-                return rounds * u64::from(ROUND) + u64::from(within);
+                return (rounds.wrapping_add(u32::from(ended)), within);
             }
         }
-    }
-
-    /// Microseconds since the start.
-    pub fn now_us(&self) -> u64 {
-        self.ticks() / TICKS_PER_US
     }
 }

@@ -1,12 +1,13 @@
-//! The controller on a Cortex-M: start-up, and the parts of the board that `firmware_sim::device` is given.
+//! The controller on a Cortex-M: start-up, and the parts of a board that `firmware_sim::device` asks for.
 #![no_std]
 #![no_main]
 
-mod board;
 mod clock;
 mod fifo;
 mod halt;
 mod link;
+mod machine;
+mod map;
 mod ring;
 mod semihosting;
 mod slots;
@@ -15,48 +16,23 @@ mod uart;
 
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
-use embedded_io::{Read, Write};
+use firmware_sim::device::{LinkClosed, serve};
 
-use clock::Clock;
 use link::Link;
+use machine::Machine;
 use slots::SlotMemory;
 
 #[entry]
 fn main() -> ! {
+    // Taken once, here, so there are.
     let Some(peripherals) = Peripherals::take() else {
         halt::ted_halt();
     };
-    let clock = Clock::start(peripherals.SYST);
-    let mut link = Link::open();
-    // SAFETY: once
-    let mut flash = unsafe { SlotMemory::take() };
-    let mut buffer = [0; 256];
-    loop {
-        match link.read(&mut buffer) {
-            Ok(0) | Err(_) => {
-                semihosting::exit(c"bye\n", 0);
-            }
-            Ok(n) => {
-                if link.write(&buffer[..n]).is_err() {
-                    semihosting::exit(c"bye\n", 0);
-                }
-            }
-        }
-        if buffer[0] == b'!' {
-            use embedded_storage::nor_flash::NorFlash;
-            flash.erase(8192, 12288).ok();
-            flash.write(8192, b"abcdefgh").ok();
-        }
-        if buffer[0] == b'=' {
-            use embedded_storage::nor_flash::ReadNorFlash;
-            let mut b=[0;8];
-            flash.read(8192, &mut b).ok();
-            link.write(&b).ok();
-        }
-        if buffer[0] == b'?' {
-            for v in [clock.ticks() as u32, clock.now_us() as u32, stack::high_water()] {
-                link.write(&v.to_le_bytes()).ok();
-            }
-        }
-    }
+    let link = Link::open();
+    let mut machine = Machine::start(peripherals.SYST, &link);
+    // SAFETY: this function runs once and takes it once.
+    let mut slots = unsafe { SlotMemory::take() };
+    let LinkClosed = serve(link, &mut slots, &mut machine);
+    semihosting::exit(c"", 0);
+    halt::ted_halt();
 }

@@ -5,13 +5,14 @@ use core::slice;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
+use firmware_sim::device::MappedFlash;
 
-use crate::board::{MAP, SLOTS_SIZE};
+use crate::map::{MAP, SLOTS_SIZE};
 
 const SECTOR: usize = 4096;
 const WORD: usize = 4;
 
-/// The flash of the artefact slots.
+/// The flash for artefacts.
 pub struct SlotMemory(&'static mut [u8]);
 
 impl SlotMemory {
@@ -65,5 +66,11 @@ impl NorFlash for SlotMemory {
         let to = self.range(offset, offset + bytes.len() as u32)?;
         to.iter_mut().zip(bytes).for_each(|(to, from)| *to &= from);
         Ok(())
+    }
+}
+
+impl MappedFlash for SlotMemory {
+    fn bytes(&self) -> &[u8] {
+        self.0
     }
 }

@@ -8,7 +8,7 @@ use cortex_m_rt::exception;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use vcell::VolatileCell;
 
-use crate::board::MAP;
+use crate::map::MAP;
 use crate::ring::Ring;
 
 const BAUD: u32 = 115_200;

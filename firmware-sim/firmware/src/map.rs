@@ -2,6 +2,8 @@
 
 /// A board, as far as this firmware uses it.
 pub struct Map {
+    /// What it is called.
+    pub name: &'static str,
     /// Processor clock, which SysTick counts.
     pub clock_hz: u32,
     /// The CMSDK UART that carries the link.
@@ -19,6 +21,7 @@ pub const SLOTS_SIZE: usize = 16 * 1024 * 1024;
 /// Cortex-M4 with single-precision floating point.
 #[cfg(feature = "mps2-an386")]
 pub const MAP: Map = Map {
+    name: "mps2-an386",
     clock_hz: 25_000_000,
     uart: 0x4000_4000,
     uart_receive: 0,
@@ -28,6 +31,7 @@ pub const MAP: Map = Map {
 /// Cortex-M7.
 #[cfg(feature = "mps2-an500")]
 pub const MAP: Map = Map {
+    name: "mps2-an500",
     clock_hz: 25_000_000,
     uart: 0x4000_4000,
     uart_receive: 0,
@@ -37,6 +41,7 @@ pub const MAP: Map = Map {
 /// Cortex-M33, which starts in the secure state; addresses are the secure aliases.
 #[cfg(feature = "mps2-an505")]
 pub const MAP: Map = Map {
+    name: "mps2-an505",
     clock_hz: 20_000_000,
     uart: 0x5020_0000,
     uart_receive: 32,
