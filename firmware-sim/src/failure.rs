@@ -5,6 +5,7 @@ use std::fmt::Display;
 use crate::exit::ExitCode;
 use crate::plant::PlantError;
 use crate::progress::tell;
+use crate::remote::RemoteError;
 use crate::rollout::{EpisodeError, FlyError};
 
 /// What went wrong, and what kind of thing that is.
@@ -44,6 +45,12 @@ impl From<PlantError> for Failure {
 
 impl From<EpisodeError> for Failure {
     fn from(error: EpisodeError) -> Self {
+        Self::new(error.exit_code(), error)
+    }
+}
+
+impl From<RemoteError> for Failure {
+    fn from(error: RemoteError) -> Self {
         Self::new(error.exit_code(), error)
     }
 }

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::frame::FrameError;
-use crate::last_words::LastWords;
 use super::message::{FaultCode, MessageError};
 use crate::exit::ExitCode;
+use crate::last_words::LastWords;
 
 /// Why the bridge could not do what it was asked.
 #[derive(Debug, Error)]

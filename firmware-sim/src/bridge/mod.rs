@@ -15,10 +15,10 @@ mod pool;
 pub mod speed;
 mod worker;
 
+pub use crate::last_words::LastWords;
 pub use environment::Environment;
 pub use episode::{Behaviour, Episode, EpisodeJob};
 pub use error::BridgeError;
-pub use crate::last_words::LastWords;
 pub use message::{Shape, Step};
 pub use pool::Pool;
 pub use worker::Worker;

@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 
 use super::environment::Environment;
 use super::error::BridgeError;
-use crate::last_words::Listener;
 use super::message::Step;
 use super::worker::{Worker, settings};
 use crate::interrupt;
+use crate::last_words::Listener;
 
 const ACTION: [f32; 4] = [0.1, -0.1, 0.1, 0.0];
 const SCRIPT: &str = "speed.py";

@@ -9,9 +9,9 @@ use super::environment::Environment;
 use super::episode::{Episode, EpisodeJob};
 use super::error::{BridgeError, Nonsense};
 use super::frame::PROTOCOL_VERSION;
-use crate::last_words::{LastWords, Listener};
 use super::link::{Link, LinkError};
 use super::message::{self, FaultCode, MessageError, Shape, Step, kind};
+use crate::last_words::{LastWords, Listener};
 
 /// How long a worker may take for anything but a whole episode. Importing the simulator from a cold disk is the slowest.
 const PATIENCE: Duration = Duration::from_secs(120);

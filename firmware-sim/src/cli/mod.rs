@@ -1,7 +1,11 @@
 //! The `firmware-sim` command line: flying an artefact and saying how it went.
 
+mod device_report;
+mod flash;
+mod flights;
 mod fly;
 mod report;
+mod seat;
 mod toy;
 
 use clap::{Parser, Subcommand};
@@ -11,7 +15,8 @@ use crate::exit::ExitCode;
 const EXAMPLES: &str = "\
 Examples:
   firmware-sim toy toy.ted && firmware-sim fly toy.ted --plant toy
-  firmware-sim fly policy.ted --task drawer-open-v3 --episodes 50";
+  firmware-sim fly policy.ted --task drawer-open-v3 --episodes 50
+  firmware-sim fly policy.ted --task drawer-open-v3 --on mps2-an386 --numeric integer";
 
 /// Fly policies behind the controller that also runs on the device.
 #[derive(Debug, Parser)]
@@ -24,6 +29,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Fly(fly::FlyArgs),
+    Flash(flash::FlashArgs),
     Toy(toy::ToyArgs),
 }
 
@@ -32,6 +38,7 @@ enum Command {
 pub fn run() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Fly(args) => fly::run(&args),
+        Command::Flash(args) => flash::run(&args),
         Command::Toy(args) => toy::run(&args),
     };
     done.unwrap_or_else(|failure| failure.tell())

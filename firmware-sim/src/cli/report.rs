@@ -5,6 +5,7 @@ use std::fmt::{self, Display};
 use serde::Serialize;
 use ted_policy::Artifact;
 
+use super::device_report::DeviceReport;
 use crate::plants::replay::Difference;
 use crate::rollout::{EpisodeReport, Flight, Summary, normalised_score};
 
@@ -44,6 +45,9 @@ pub struct Report {
     /// Where the replayed actions were farthest from the recorded ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_difference: Option<Difference>,
+    /// What the boards say, if it was flown on boards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<DeviceReport>,
     /// One line per episode.
     pub episodes: Vec<EpisodeLine>,
 }
@@ -98,6 +102,7 @@ impl Report {
             tick_p99_us: next_us(),
             tick_max_us: next_us(),
             largest_difference: None,
+            device: None,
             episodes: flight.episodes.iter().map(EpisodeLine::of).collect(),
         }
     }
@@ -196,6 +201,9 @@ impl Display for Report {
                 "difference  at most {:e} from the recorded actions (seed {}, step {}, action {})",
                 worst.absolute, worst.seed, worst.step, worst.dimension
             )?;
+        }
+        if let Some(device) = &self.device {
+            write!(f, "{device}")?;
         }
         write!(f, "faults      {} of {flown} episodes", self.faulted)?;
         for (index, line) in self.episodes.iter().enumerate() {

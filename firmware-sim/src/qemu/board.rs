@@ -52,9 +52,8 @@ impl Board {
         if let Some(path) = flash_image {
             // A comma in a path is doubled, or it would end it.
             let path = path.display().to_string().replace(',', ",,");
-            let object = format!(
-                "memory-backend-file,id=slots,size={FLASH_BYTES},share=on,mem-path={path}"
-            );
+            let object =
+                format!("memory-backend-file,id=slots,size={FLASH_BYTES},share=on,mem-path={path}");
             arguments.extend(["-object".to_owned(), object]);
             machine += ",memory-backend=slots";
         }
@@ -97,4 +96,23 @@ impl Link {
             ],
         }
     }
+}
+
+impl fmt::Display for Link {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Fifo => "fifo",
+            Self::Uart => "uart",
+        })
+    }
+}
+
+/// What so many ticks of a board's counter are in instructions, at `work_hz` ticks a second of its time; 0 if that is not
+/// known.
+#[must_use]
+pub fn instructions(ticks: f64, work_hz: u32) -> f64 {
+    if work_hz == 0 {
+        return 0.0;
+    }
+    ticks * INSTRUCTIONS_PER_SECOND as f64 / f64::from(work_hz)
 }

@@ -1,5 +1,6 @@
 //! A running emulator and the stream to the board in it.
 
+use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus};
 use std::thread;
@@ -32,11 +33,17 @@ pub struct Device {
     from_board: ChildStdout,
     stderr: Listener,
     patience: Duration,
+    /// Locked for as long as the board can write it.
+    _flash: Option<File>,
 }
 
 impl Device {
     /// Starts the process. Its standard streams must be pipes.
-    pub(super) fn spawn(command: &mut Command, board: Board) -> io::Result<Self> {
+    pub(super) fn spawn(
+        command: &mut Command,
+        board: Board,
+        flash: Option<File>,
+    ) -> io::Result<Self> {
         let mut child = command.spawn()?;
         let (Some(to_board), Some(from_board), Some(stderr)) =
             (child.stdin.take(), child.stdout.take(), child.stderr.take())
@@ -50,6 +57,7 @@ impl Device {
             from_board,
             stderr: Listener::new(stderr),
             patience: PATIENCE,
+            _flash: flash,
         })
     }
 

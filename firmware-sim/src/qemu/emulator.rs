@@ -1,6 +1,7 @@
 //! Finds QEMU, and starts boards in it.
 
 use std::env;
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -75,13 +76,14 @@ impl Emulator {
     /// The device ends at the latest with the thread that started it, however that ends.
     ///
     /// # Errors
-    /// When no process can be started. What is wrong with it afterwards is found on the first use of the device.
+    /// When no process can be started, or the file cannot be written or belongs to another board. What is wrong with it afterwards is found on the first use of the device.
     pub fn start(
         &self,
         firmware: &Firmware,
         link: Link,
         flash_image: Option<&Path>,
     ) -> Result<Device, QemuError> {
+        let flash = flash_image.map(lock).transpose()?;
         let mut command = if self.guarded {
             let mut command = Command::new(GUARDIAN);
             command.args(["--pdeathsig", "KILL", "--"]).arg(&self.path);
@@ -100,10 +102,32 @@ impl Emulator {
             .stderr(Stdio::piped())
             // Out of the terminal's foreground group: Ctrl-C is the parent's business alone.
             .process_group(0);
-        Device::spawn(&mut command, board).map_err(|source| QemuError::Spawn {
+        Device::spawn(&mut command, board, flash).map_err(|source| QemuError::Spawn {
             path: self.path.clone(),
             source,
         })
+    }
+}
+
+/// Opens the file of a flash for one board alone. The lock ends with the board.
+fn lock(path: &Path) -> Result<File, QemuError> {
+    let open = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path);
+    let failed = |source| QemuError::FlashImage {
+        path: path.to_owned(),
+        source,
+    };
+    let file = open.map_err(failed)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(QemuError::FlashInUse {
+            path: path.to_owned(),
+        }),
+        Err(TryLockError::Error(source)) => Err(failed(source)),
     }
 }
 

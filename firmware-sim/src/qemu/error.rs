@@ -37,7 +37,9 @@ pub enum QemuError {
         oldest: u32,
     },
     /// The named folder has no image of the board.
-    #[error("find the firmware {path}: there is no such file; {FIRMWARE_VARIABLE} names its folder")]
+    #[error(
+        "find the firmware {path}: there is no such file; {FIRMWARE_VARIABLE} names its folder"
+    )]
     NoImage {
         /// Where it should be.
         path: PathBuf,
@@ -66,6 +68,22 @@ pub enum QemuError {
         board: Board,
         /// What the script said.
         words: String,
+    },
+    /// The file of the flash cannot be made or written.
+    #[error("open the flash image {path}: {source}")]
+    FlashImage {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// Another board runs from the file.
+    #[error(
+        "use the flash image {path}: another board runs from it; wait for its end, or name another file"
+    )]
+    FlashInUse {
+        /// The file.
+        path: PathBuf,
     },
     /// The operating system does not start it.
     #[error("start {path}: {source}")]
@@ -99,6 +117,8 @@ impl QemuError {
     pub const fn exit_code(&self) -> ExitCode {
         match self {
             Self::Interrupted { .. } => ExitCode::Interrupted,
+            Self::FlashInUse { .. } => ExitCode::Busy,
+            Self::FlashImage { .. } => ExitCode::Storage,
             _ => ExitCode::Environment,
         }
     }

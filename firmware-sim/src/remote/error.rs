@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::device::message::Refusal;
 use crate::exit::ExitCode;
+use crate::qemu::QemuError;
 
 /// Why a request to a device failed.
 #[derive(Debug, Error)]
@@ -64,10 +65,14 @@ impl RemoteError {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Link(_)
-            | Self::Silent { .. }
-            | Self::Version { .. }
-            | Self::Unexpected { .. } => ExitCode::Environment,
+            // A link that belongs to a board of ours knows more.
+            Self::Link(source) => source
+                .get_ref()
+                .and_then(|source| source.downcast_ref::<QemuError>())
+                .map_or(ExitCode::Environment, QemuError::exit_code),
+            Self::Silent { .. } | Self::Version { .. } | Self::Unexpected { .. } => {
+                ExitCode::Environment
+            }
             Self::TooLong { .. } => ExitCode::BadInput,
             Self::Refused { refusal, .. } => match refusal {
                 Refusal::Golden { .. } => ExitCode::Faulted,

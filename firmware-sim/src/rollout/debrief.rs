@@ -138,7 +138,8 @@ pub struct DeviceSummary {
 
 impl DeviceSummary {
     /// Sums up; nothing when no device flew.
-    pub(super) fn of(debriefs: impl IntoIterator<Item = Debrief>) -> Option<Self> {
+    #[must_use]
+    pub fn of(debriefs: impl IntoIterator<Item = Debrief>) -> Option<Self> {
         let mut summary = None;
         for debrief in debriefs {
             let sum: &mut Self = summary.get_or_insert_default();

@@ -1,0 +1,113 @@
+//! `firmware-sim flash`: another policy for a board.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use ted_policy::{Artifact, ArtifactBytes};
+
+use crate::exit::ExitCode;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::output::OutputArgs;
+use crate::qemu::{Board, Fleet, Link};
+use crate::remote::flash;
+
+const EXAMPLES: &str = "\
+Examples:
+  firmware-sim flash policy.ted --on mps2-an386 --flash-image robot.flash
+  firmware-sim fly policy.ted --task drawer-open-v3 --on mps2-an386 --flash-image robot.flash
+
+The board writes the artefact into the slot that does not fly, and flies it once it has found it good: checksum, contract, \
+golden vectors in all numbers. Whatever happens before that, a power cut included, the policy that flew before flies on.
+
+Exit codes: 0 it flies, 2 usage, 3 the artefact is broken or has another contract, 4 QEMU or the firmware is missing or \
+failed, 5 another board uses the file, 6 the file cannot be written, 7 the board does not compute its golden vectors, \
+130 interrupted.";
+
+/// Give a board another policy
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct FlashArgs {
+    /// The artefact
+    policy: PathBuf,
+    /// The board, emulated by QEMU
+    #[arg(long, value_enum)]
+    on: Board,
+    /// The link to the board
+    #[arg(long, value_enum, default_value_t = Link::Fifo)]
+    link: Link,
+    /// The file that keeps the board's flash; made if it is not there. Without it this is a rehearsal
+    #[arg(long, value_name = "FILE")]
+    flash_image: Option<PathBuf>,
+    /// Take an artefact whose channels, units or control period are not those of the policy that flies
+    #[arg(long)]
+    accept_other_contract: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// What the board says.
+#[derive(Debug, Serialize)]
+struct Flashed {
+    board: String,
+    slot: u8,
+    crc32: String,
+    task: String,
+    bytes: usize,
+    kept: bool,
+}
+
+/// Sends the artefact.
+pub fn run(args: &FlashArgs) -> Result<ExitCode, Failure> {
+    let bytes = ArtifactBytes::read(&args.policy)
+        .map_err(|error| Failure::new(ExitCode::BadInput, error))?;
+    Artifact::parse(&bytes).map_err(|error| {
+        Failure::new(
+            ExitCode::BadInput,
+            format_args!("read {}: {error}", args.policy.display()),
+        )
+    })?;
+    interrupt::install()
+        .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
+    let fleet = Fleet::find(args.on, args.link, args.flash_image.clone())
+        .map_err(|error| Failure::new(error.exit_code(), error))?;
+    let mut connection = fleet.connect()?;
+    let progress = args
+        .output
+        .audience()
+        .start("flash", bytes.len() as u64, "bytes");
+    let mut shown = 0;
+    let done = flash(&mut connection, &bytes, args.accept_other_contract, |now| {
+        progress.advance((now.sent - shown) as u64);
+        shown = now.sent;
+    });
+    progress.finish();
+    let done = done?;
+    let hello = connection.hello();
+    let flashed = Flashed {
+        board: hello.board.clone(),
+        slot: done.slot,
+        crc32: format!("{:08x}", done.checksum),
+        task: hello.task.clone(),
+        bytes: bytes.len(),
+        kept: args.flash_image.is_some(),
+    };
+    args.output.print(&flashed, || {
+        let Flashed {
+            board,
+            slot,
+            crc32,
+            task,
+            ..
+        } = &flashed;
+        let kept = match flashed.kept {
+            true => "",
+            false => {
+                "\nthe board is off now and has forgotten it: --flash-image FILE keeps its flash"
+            }
+        };
+        format!("{board} flies {task} from slot {slot}, crc32 {crc32}{kept}")
+    })?;
+    Ok(ExitCode::Success)
+}

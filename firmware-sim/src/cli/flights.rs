@@ -1,0 +1,220 @@
+//! The flights of `firmware-sim fly`: which plant, which pilot, side by side or one after the other.
+
+use std::fmt::Display;
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::thread;
+
+use ted_policy::Artifact;
+
+use super::device_report::DeviceReport;
+use super::fly::FlyArgs;
+use super::report::Report;
+use super::seat;
+use crate::bridge::environment;
+use crate::controller::Controller;
+use crate::exit::ExitCode;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::plant::{Plant, PlantError};
+use crate::plants::fault::FaultInjector;
+use crate::plants::metaworld::MetaWorldPlant;
+use crate::plants::recorder::{Recorder, Shelf};
+use crate::plants::recording::{RecordingShape, Recordings};
+use crate::plants::replay::ReplayPlant;
+use crate::qemu::{Device, Fleet};
+use crate::remote::{RemoteController, RemoteError};
+use crate::rollout::{
+    DeviceSummary, Flight, FlyError, Pilot, episode_seeds, fly, fly_episode, fly_with,
+};
+use crate::tasks;
+
+/// The report of a flight, and whether what was to be recorded of it was written.
+pub type Flown = (Report, Result<(), Failure>);
+
+/// What is flown, and where the controller is.
+pub struct Crew<'c> {
+    /// The command line.
+    pub args: &'c FlyArgs,
+    /// The artefact.
+    pub artifact: &'c Artifact<'c>,
+    /// Its bytes, for a board.
+    pub bytes: &'c [u8],
+    /// The boards; none to fly on this machine.
+    pub fleet: Option<Fleet>,
+}
+
+impl Crew<'_> {
+    pub fn fly_metaworld(&self) -> Result<Flown, Failure> {
+        let trained_for = self.artifact.contract().task;
+        let usage = |error: &dyn Display| Failure::new(ExitCode::Usage, error);
+        let task = match &self.args.task {
+        Some(task) => tasks::single(task).map_err(|error| usage(&error))?,
+        None => tasks::single(trained_for).map_err(|_| {
+            usage(&format_args!(
+                "the policy was made for {trained_for:?}, which is no Meta-World task: name another --plant, or a --task"
+            ))
+        })?,
+    };
+        let environment = environment::ensure(self.args.output.audience())
+            .map_err(|error| Failure::new(error.exit_code(), error))?;
+        let (report, recorded) =
+            self.fly_many(|| MetaWorldPlant::new(&environment, task).map_err(PlantError::link))?;
+        Ok((report.on_task(task), recorded))
+    }
+
+    pub fn fly_many<P: Plant>(
+        &self,
+        make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    ) -> Result<Flown, Failure> {
+        if let Some(path) = &self.args.record {
+            let shelf = Shelf::default();
+            let flown = self.fly_side_by_side(|| Ok(Recorder::new(make_plant()?, shelf.clone())));
+            // Also after a flight that ended early: what was recorded by then is whole.
+            let recorded = self.write_recordings(&shelf, path);
+            Ok((flown?, recorded))
+        } else if self.args.fault.is_empty() {
+            Ok((self.fly_side_by_side(make_plant)?, Ok(())))
+        } else {
+            let faulty = || {
+                Ok(FaultInjector::new(
+                    make_plant()?,
+                    self.args.fault.clone(),
+                    self.args.seed,
+                ))
+            };
+            Ok((self.fly_side_by_side(faulty)?, Ok(())))
+        }
+    }
+
+    fn fly_side_by_side<P: Plant>(
+        &self,
+        make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    ) -> Result<Report, Failure> {
+        let cores = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+        let workers = self.args.workers.unwrap_or_else(cores);
+        let seeds = episode_seeds(self.args.seed, self.args.episodes as usize);
+        let progress =
+            self.args
+                .output
+                .audience()
+                .start("fly", u64::from(self.args.episodes), "episodes");
+        let stop = interrupt::requested;
+        let landed = |_: &_| progress.advance(1);
+        let flight = match &self.fleet {
+            None => {
+                let numeric = self.args.seat.numeric;
+                fly(
+                    self.artifact,
+                    numeric,
+                    make_plant,
+                    &seeds,
+                    workers,
+                    stop,
+                    landed,
+                )
+            }
+            Some(fleet) => {
+                let workers = workers.min(fleet.limit());
+                fly_with(
+                    || self.pilot(fleet),
+                    make_plant,
+                    &seeds,
+                    workers,
+                    stop,
+                    landed,
+                )
+            }
+        };
+        progress.finish();
+        Ok(Report {
+            seed: Some(self.args.seed),
+            ..self.report(&flight?)
+        })
+    }
+
+    fn write_recordings(&self, shelf: &Shelf, path: &Path) -> Result<(), Failure> {
+        let seeds = episode_seeds(self.args.seed, self.args.episodes as usize);
+        let mut episodes = shelf.take();
+        episodes.sort_by_key(|episode| seeds.iter().position(|&seed| seed == episode.seed));
+        let contract = self.artifact.contract();
+        let shape = RecordingShape {
+            observation_dim: contract.observation.len(),
+            action_dim: contract.action.len(),
+            control_period_us: contract.control_period_us,
+        };
+        Recordings { shape, episodes }
+            .write(path)
+            .map_err(|error| Failure::new(error.exit_code(), error))
+    }
+
+    pub fn fly_recording(&self) -> Result<Report, Failure> {
+        let path = self.args.recording.clone().unwrap_or_default();
+        let bad = |error: &dyn Display| {
+            Failure::new(
+                ExitCode::BadInput,
+                format_args!("read recording {}: {error}", path.display()),
+            )
+        };
+        let Recordings { shape, episodes } =
+            Recordings::read(&path).map_err(|error| bad(&error))?;
+        let replay = ReplayPlant::new(shape, episodes).map_err(|error| bad(&error))?;
+        let seeds: Vec<u64> = replay.seeds().collect();
+        let mut plant = FaultInjector::new(replay, self.args.fault.clone(), self.args.seed);
+        let flight = match &self.fleet {
+            None => {
+                let numeric = self.args.seat.numeric;
+                let mut controller =
+                    Controller::load(self.artifact, numeric).map_err(FlyError::Load)?;
+                self.replay(&mut controller, &mut plant, &seeds)?
+            }
+            Some(fleet) => {
+                let mut pilot = self.pilot(fleet).map_err(FlyError::NoPilot)?;
+                self.replay(&mut pilot, &mut plant, &seeds)?
+            }
+        };
+        Ok(Report {
+            largest_difference: plant.inner().largest_difference(),
+            ..self.report(&flight)
+        })
+    }
+
+    /// The same for every kind of pilot.
+    fn replay(
+        &self,
+        pilot: &mut impl Pilot,
+        plant: &mut impl Plant,
+        seeds: &[u64],
+    ) -> Result<Flight, Failure> {
+        let audience = self.args.output.audience();
+        let progress = audience.start("replay", seeds.len() as u64, "episodes");
+        let mut flight = Flight::default();
+        let mut debriefs = Vec::new();
+        for &seed in seeds {
+            if interrupt::requested() {
+                let flown = flight.episodes.len();
+                return Err(FlyError::Interrupted { flown }.into());
+            }
+            let (episode, times) = fly_episode(pilot, plant, seed)?;
+            debriefs.extend(pilot.debrief()?);
+            flight.episodes.push(episode);
+            flight.tick_times.append(times);
+            progress.advance(1);
+        }
+        progress.finish();
+        flight.device = DeviceSummary::of(debriefs);
+        Ok(flight)
+    }
+
+    fn pilot(&self, fleet: &Fleet) -> Result<RemoteController<Device>, RemoteError> {
+        seat::pilot(fleet, self.artifact, self.bytes, self.args.seat.start())
+    }
+
+    fn report(&self, flight: &Flight) -> Report {
+        let device = self.fleet.as_ref().zip(flight.device.as_ref());
+        Report {
+            device: device.map(|(fleet, summary)| DeviceReport::of(fleet, summary)),
+            ..Report::of(flight, self.artifact)
+        }
+    }
+}
