@@ -63,12 +63,12 @@ impl<'a> Controller<'a> {
     /// # Errors
     /// The golden vector it failed on; the artefact does not fly then.
     pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
-        let contract = artifact.contract();
+        let terms = artifact.terms();
         Ok(Self {
             policy: NumericPolicy::load(artifact, numeric)?,
-            observation_guard: ObservationGuard::new(contract),
-            action_guard: ActionGuard::new(contract),
-            deadline: Deadline::new(contract.control_period_us),
+            observation_guard: ObservationGuard::new(terms),
+            action_guard: ActionGuard::new(terms),
+            deadline: Deadline::new(terms.control_period_us),
             latched: None,
             tick: 0,
         })
@@ -173,10 +173,9 @@ impl<'a> NumericPolicy<'a> {
                 Ok(Self::F32 { policy, scratch })
             }
             Numeric::Integer => {
-                let integers = artifact.integers().ok_or(ArtifactError::NoIntegers)?;
                 let mut scratch = IntegerScratch::new();
                 artifact.verify_integer_golden(&mut scratch)?;
-                let policy = integers.policy.clone();
+                let policy = artifact.integer_policy().ok_or(ArtifactError::NoIntegers)?;
                 Ok(Self::Integer { policy, scratch })
             }
         }

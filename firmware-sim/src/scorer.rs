@@ -49,10 +49,9 @@ impl<'a> EpisodeScorer<'a> {
                 scratch: Scratch::new(),
             },
             Numeric::Integer => {
-                let integers = artifact.integers()?;
                 Networks::Integer {
-                    reward: integers.reward.clone()?,
-                    threshold: integers.threshold?,
+                    reward: artifact.integer_reward()?,
+                    threshold: artifact.integer_threshold()?,
                     episode: EpisodeReturn::default(),
                     scratch: IntegerScratch::new(),
                 }

@@ -6,6 +6,7 @@ use crate::envelope::{ALIGNMENT, Envelope, check_padding};
 use crate::error::{ArtifactError, Place};
 
 /// Takes the arrays of a blob one after the other. There is no table of offsets: shapes decide where each one starts.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrays<'a> {
     blob: &'a [u8],
     blob_offset: usize,

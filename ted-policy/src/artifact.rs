@@ -1,28 +1,32 @@
 //! A validated artefact: its existence proves that everything in it can be used.
 
 use ted_core::integer::IntegerScratch;
-use ted_core::{Policy, RewardEnsemble, Scratch, TedDiscount};
+use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
+use ted_core::{Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch, TedDiscount};
 
 use crate::arrays::Arrays;
 use crate::contract::Contract;
 use crate::envelope::Envelope;
 use crate::error::{ArtifactError, Place};
-use crate::golden::{Golden, IntegerGolden};
-use crate::integers::{self, IntegerNetworks, Originals};
+use crate::golden::Golden;
+use crate::integers::{self, IntegerNetworks};
+use crate::metadata::{Outline, RewardShape, Terms};
 use crate::networks;
 use crate::provenance::Provenance;
-use crate::wire::Metadata;
+use crate::wire::Integers;
 
 /// Everything an artefact holds, borrowed from its bytes.
+///
+/// It is small: the policy is ready, and everything else is put together when it is asked for.
 #[derive(Clone, Debug)]
 pub struct Artifact<'a> {
     checksum: u32,
-    contract: Contract<'a>,
-    provenance: Provenance<'a>,
+    outline: Outline<'a>,
     policy: Policy<'a>,
-    reward: Option<RewardEnsemble<'a>>,
     ted: Option<TedDiscount>,
-    integers: Option<IntegerNetworks<'a>>,
+    /// Where the arrays of the reward ensemble start, and those of the integer networks.
+    reward_arrays: Arrays<'a>,
+    integer_arrays: Arrays<'a>,
     golden: Golden<'a>,
 }
 
@@ -35,106 +39,50 @@ impl<'a> Artifact<'a> {
     /// On any defect; see [`ArtifactError`]. Run [`Self::verify_golden`] before the policy is trusted.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, ArtifactError> {
         let envelope = Envelope::open(bytes)?;
-        let (metadata, rest) = postcard::take_from_bytes::<Metadata<'a>>(envelope.metadata)
-            .map_err(|_| ArtifactError::Metadata)?;
-        if !rest.is_empty() {
-            let actual = envelope.metadata.len();
-            return Err(ArtifactError::MetadataLength {
-                expected: actual - rest.len(),
-                actual,
-            });
-        }
-        Self::join(metadata, &envelope)
-    }
-
-    fn join(metadata: Metadata<'a>, envelope: &Envelope<'a>) -> Result<Self, ArtifactError> {
-        let Metadata {
-            contract,
-            provenance,
-            policy,
-            reward,
-            ted,
-            integers,
-            golden_cases,
-        } = metadata;
-        contract.check().map_err(ArtifactError::Contract)?;
-        if !(provenance.dataset_return_mean.is_finite()
-            && provenance.dataset_return_max.is_finite())
-        {
+        let outline = Outline::read(envelope.metadata)?;
+        let terms = &outline.terms;
+        terms.check().map_err(ArtifactError::Contract)?;
+        if !outline.finite_provenance {
             return Err(ArtifactError::NotFinite {
                 place: Place::Provenance,
                 offset: 0,
             });
         }
-        let (observation_dim, action_dim) = (contract.observation.len(), contract.action.len());
-        networks::fits(&policy, observation_dim, action_dim)?;
-        let (network, ensemble) = (policy, reward);
-        let mut arrays = Arrays::new(envelope)?;
+        let (observation_dim, action_dim) = (terms.observation.len(), terms.action.len());
+        networks::fits(&outline.policy, observation_dim, action_dim)?;
+        let mut arrays = Arrays::new(&envelope)?;
 
         let normaliser = networks::normaliser(&mut arrays, observation_dim, Place::Normaliser)?;
-        let mlp = networks::mlp(&mut arrays, &network, Place::Policy)?;
+        let mlp = networks::mlp(&mut arrays, &outline.policy, Place::Policy)?;
         let policy = Policy::new(normaliser, mlp).map_err(|error| ArtifactError::Shape {
             place: Place::Policy,
             error,
         })?;
-
-        let reward = match &ensemble {
-            Some(reward) => Some(networks::reward(
-                &mut arrays,
-                reward,
-                observation_dim,
-                action_dim,
-            )?),
-            None => None,
-        };
-        let ted = ted.as_ref().map(networks::ted).transpose()?;
-        let integers = match &integers {
-            Some(integers) => Some(integers::read(
-                &mut arrays,
-                integers,
-                &network,
-                ensemble.as_ref(),
-                Originals {
-                    policy: &policy,
-                    reward: reward.as_ref(),
-                    ted: ted.as_ref(),
-                },
-            )?),
-            None => None,
-        };
-        let cases = usize::from(golden_cases);
-        if cases == 0 {
-            return Err(ArtifactError::NoGolden);
+        let reward_arrays = arrays;
+        if let Some(reward) = &outline.reward {
+            check_reward(&mut arrays, reward, terms)?;
         }
-        let golden = Golden {
-            observation_dim,
-            action_dim,
-            observations: arrays.take_f32(cases * observation_dim, Place::Golden)?,
-            actions: arrays.take_f32(cases * action_dim, Place::Golden)?,
-            rewards: match &reward {
-                Some(_) => Some(arrays.take_f32(cases, Place::Golden)?),
-                None => None,
-            },
-            integers: match &integers {
-                Some(integers) => Some(IntegerGolden {
-                    actions: arrays.take(cases * action_dim)?,
-                    rewards: match &integers.reward {
-                        Some(_) => Some(arrays.take(cases)?),
-                        None => None,
-                    },
-                }),
-                None => None,
-            },
-        };
+        let ted = outline.ted.as_ref().map(networks::ted).transpose()?;
+        let integer_arrays = arrays;
+        if let Some(integers) = outline.integers {
+            let normaliser = *policy.normaliser();
+            integers::policy(&mut arrays, integers.policy, &outline.policy, normaliser)?;
+            check_integer_reward(&mut arrays, &reward_arrays, integers, &outline)?;
+            if integers.ted.is_some() != ted.is_some() {
+                return Err(ArtifactError::IntegerPart {
+                    place: Place::Discount,
+                });
+            }
+        }
+        let golden = Golden::read(&mut arrays, &outline)?;
         arrays.finish()?;
         Ok(Self {
             checksum: envelope.checksum,
-            contract,
-            provenance,
+            outline,
             policy,
-            reward,
             ted,
-            integers,
+            reward_arrays,
+            integer_arrays,
             golden,
         })
     }
@@ -147,14 +95,23 @@ impl<'a> Artifact<'a> {
 
     /// What the policy expects of the world, and what it promises.
     #[must_use]
-    pub fn contract(&self) -> &Contract<'a> {
-        &self.contract
+    pub fn contract(&self) -> Contract<'a> {
+        Contract::of(&self.outline.terms)
+    }
+
+    /// The same, with its channels where they lie: for a controller, which has little memory.
+    #[must_use]
+    pub fn terms(&self) -> &Terms<'a> {
+        &self.outline.terms
     }
 
     /// Where the policy comes from.
     #[must_use]
-    pub fn provenance(&self) -> &Provenance<'a> {
-        &self.provenance
+    pub fn provenance(&self) -> Provenance<'a> {
+        // It was decoded once, so it can be again.
+        postcard::take_from_bytes(self.outline.provenance)
+            .map(|(provenance, _)| provenance)
+            .unwrap_or_default()
     }
 
     /// The policy.
@@ -166,7 +123,10 @@ impl<'a> Artifact<'a> {
     /// The reward ensemble, if it was exported too.
     #[must_use]
     pub fn reward(&self) -> Option<RewardEnsemble<'a>> {
-        self.reward.clone()
+        let mut arrays = self.reward_arrays;
+        let shape = self.outline.reward.as_ref()?;
+        // It was put together once, so it can be again.
+        networks::reward(&mut arrays, shape, &self.outline.terms).ok()
     }
 
     /// TED's discount, if the run used it.
@@ -175,10 +135,55 @@ impl<'a> Artifact<'a> {
         self.ted
     }
 
+    /// Whether the networks were exported in integers too.
+    #[must_use]
+    pub fn has_integers(&self) -> bool {
+        self.outline.integers.is_some()
+    }
+
     /// The networks in integers, if they were exported too.
     #[must_use]
-    pub fn integers(&self) -> Option<&IntegerNetworks<'a>> {
-        self.integers.as_ref()
+    pub fn integers(&self) -> Option<IntegerNetworks<'a>> {
+        Some(IntegerNetworks {
+            policy: self.integer_policy()?,
+            reward: self.integer_reward(),
+            threshold: self.integer_threshold(),
+        })
+    }
+
+    /// The policy in integers, if it was exported too.
+    #[must_use]
+    pub fn integer_policy(&self) -> Option<QuantisedPolicy<'a>> {
+        self.integer_policy_and_rest().map(|(policy, _)| policy)
+    }
+
+    /// The reward ensemble in integers, if it was exported too.
+    #[must_use]
+    pub fn integer_reward(&self) -> Option<QuantisedRewardEnsemble<'a>> {
+        let integers = self.outline.integers?;
+        let (_, mut arrays) = self.integer_policy_and_rest()?;
+        let shape = self.outline.reward.as_ref()?;
+        let normaliser = reward_normaliser(self.reward_arrays, shape, &self.outline.terms).ok()?;
+        integers::reward(&mut arrays, integers.reward?, shape, normaliser).ok()
+    }
+
+    /// TED's border in the unit of the integer rewards, if the run used TED and the networks were exported in integers.
+    #[must_use]
+    pub fn integer_threshold(&self) -> Option<ReturnThreshold<i64>> {
+        let ted = self.outline.integers?.ted?;
+        Some(ReturnThreshold {
+            return_hat: ted.return_hat,
+            last_tied_episode: ted.last_tied_episode,
+        })
+    }
+
+    fn integer_policy_and_rest(&self) -> Option<(QuantisedPolicy<'a>, Arrays<'a>)> {
+        let integers = self.outline.integers?;
+        let mut arrays = self.integer_arrays;
+        let normaliser = *self.policy.normaliser();
+        let network = &self.outline.policy;
+        let policy = integers::policy(&mut arrays, integers.policy, network, normaliser).ok()?;
+        Some((policy, arrays))
     }
 
     /// The golden vectors.
@@ -192,8 +197,11 @@ impl<'a> Artifact<'a> {
     /// # Errors
     /// [`ArtifactError::GoldenMismatch`] at the first bit that differs.
     pub fn verify_golden(&self, scratch: &mut Scratch) -> Result<(), ArtifactError> {
-        self.golden
-            .verify(&self.policy, self.reward.as_ref(), scratch)
+        self.golden.verify_policy(&self.policy, scratch)?;
+        match self.reward() {
+            Some(reward) => self.golden.verify_reward(&reward, scratch),
+            None => Ok(()),
+        }
     }
 
     /// Computes every golden vector in integers on this machine and compares.
@@ -201,7 +209,51 @@ impl<'a> Artifact<'a> {
     /// # Errors
     /// [`ArtifactError::GoldenMismatch`] at the first number that differs, [`ArtifactError::NoIntegers`] if there are none.
     pub fn verify_integer_golden(&self, scratch: &mut IntegerScratch) -> Result<(), ArtifactError> {
-        let integers = self.integers().ok_or(ArtifactError::NoIntegers)?;
-        self.golden.verify_integers(integers, scratch)
+        let policy = self.integer_policy().ok_or(ArtifactError::NoIntegers)?;
+        self.golden.verify_integer_policy(&policy, scratch)?;
+        match self.integer_reward() {
+            Some(reward) => self.golden.verify_integer_reward(&reward, scratch),
+            None => Ok(()),
+        }
     }
+}
+
+/// Puts the reward ensemble together once. Apart, so that its memory is taken for no longer than that.
+#[inline(never)]
+fn check_reward(
+    arrays: &mut Arrays<'_>,
+    shape: &RewardShape<'_>,
+    terms: &Terms<'_>,
+) -> Result<(), ArtifactError> {
+    networks::reward(arrays, shape, terms).map(|_| ())
+}
+
+/// The same in integers; `reward_arrays` are where those of the floats start.
+#[inline(never)]
+fn check_integer_reward<'a>(
+    arrays: &mut Arrays<'a>,
+    reward_arrays: &Arrays<'a>,
+    integers: Integers,
+    outline: &Outline<'_>,
+) -> Result<(), ArtifactError> {
+    match (integers.reward, &outline.reward) {
+        (Some(integer), Some(shape)) => {
+            let normaliser = reward_normaliser(*reward_arrays, shape, &outline.terms)?;
+            integers::reward(arrays, integer, shape, normaliser).map(|_| ())
+        }
+        (None, None) => Ok(()),
+        _ => Err(ArtifactError::IntegerPart {
+            place: Place::Reward,
+        }),
+    }
+}
+
+/// The reward ensemble's normaliser, which comes first of its arrays.
+fn reward_normaliser<'a>(
+    mut reward_arrays: Arrays<'a>,
+    shape: &RewardShape<'_>,
+    terms: &Terms<'_>,
+) -> Result<Normaliser<'a>, ArtifactError> {
+    let seen = shape.inputs(terms);
+    networks::normaliser(&mut reward_arrays, seen, Place::RewardNormaliser)
 }

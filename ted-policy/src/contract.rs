@@ -6,6 +6,8 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 use ted_core::{MAX_ACTION, MAX_OBSERVATION};
 
+use crate::metadata::{self, Terms};
+
 /// One channel of the raw observation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObservationChannel<'a> {
@@ -47,7 +49,7 @@ pub enum SafeAction {
 }
 
 /// What a policy expects of the world, and what it promises.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contract<'a> {
     /// The task it was trained for.
     pub task: &'a str,
@@ -96,57 +98,31 @@ impl<'a> Contract<'a> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ContractFault> {
-        if self.task.is_empty() {
-            return Err(ContractFault::Task);
+        metadata::check(
+            self.task,
+            self.observation.iter().copied(),
+            self.action.iter().copied(),
+            self.control_period_us,
+        )
+    }
+
+    /// The contract of an artefact, its channels copied.
+    pub(crate) fn of(terms: &Terms<'a>) -> Self {
+        let mut contract = Self {
+            task: terms.task,
+            observation: Vec::new(),
+            action: Vec::new(),
+            control_period_us: terms.control_period_us,
+            max_observation_age_us: terms.max_observation_age_us,
+        };
+        // There is room: the lists are no longer.
+        for channel in terms.observation.iter() {
+            contract.observation.push(channel).ok();
         }
-        if self.observation.is_empty() {
-            return Err(ContractFault::ObservationChannels {
-                limit: MAX_OBSERVATION,
-                actual: 0,
-            });
+        for channel in terms.action.iter() {
+            contract.action.push(channel).ok();
         }
-        if self.action.is_empty() {
-            return Err(ContractFault::ActionChannels {
-                limit: MAX_ACTION,
-                actual: 0,
-            });
-        }
-        for (
-            channel,
-            ObservationChannel {
-                name, low, high, ..
-            },
-        ) in self.observation.iter().enumerate()
-        {
-            if name.is_empty() || !low.is_finite() || !high.is_finite() || low > high {
-                return Err(ContractFault::Observation { channel });
-            }
-        }
-        for (
-            channel,
-            ActionChannel {
-                name,
-                low,
-                high,
-                slew_per_tick,
-                on_fault,
-                ..
-            },
-        ) in self.action.iter().enumerate()
-        {
-            let ordered = low.is_finite() && high.is_finite() && low < high;
-            if name.is_empty() || !ordered || !slew_per_tick.is_finite() || *slew_per_tick <= 0.0 {
-                return Err(ContractFault::Action { channel });
-            }
-            if *on_fault == SafeAction::Zero && !(*low..=*high).contains(&0.0) {
-                return Err(ContractFault::NoSafeAction { channel });
-            }
-        }
-        if self.control_period_us == 0 {
-            Err(ContractFault::ControlPeriod)
-        } else {
-            Ok(())
-        }
+        contract
     }
 }
 

@@ -1,10 +1,12 @@
 //! Golden vectors: inputs with the outputs that the writer computed. Replaying them bit for bit proves a machine.
 
 use ted_core::integer::IntegerScratch;
+use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
 use ted_core::{MAX_ACTION, Policy, RewardEnsemble, Scratch, ShapeError};
 
+use crate::arrays::Arrays;
 use crate::error::{ArtifactError, Place};
-use crate::integers::IntegerNetworks;
+use crate::metadata::Outline;
 
 /// One input and what must come out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,67 +65,108 @@ impl<'a> Golden<'a> {
         })
     }
 
-    /// Computes every case again and compares the bits.
-    pub(crate) fn verify(
+    /// Reads the arrays of the cases; `outline` says how many there are and which networks they are for.
+    pub(crate) fn read(
+        arrays: &mut Arrays<'a>,
+        outline: &Outline<'_>,
+    ) -> Result<Self, ArtifactError> {
+        let cases = usize::from(outline.golden_cases);
+        if cases == 0 {
+            return Err(ArtifactError::NoGolden);
+        }
+        let (terms, rewards) = (&outline.terms, outline.reward.is_some());
+        let (observation_dim, action_dim) = (terms.observation.len(), terms.action.len());
+        let observations = arrays.take_f32(cases * observation_dim, Place::Golden)?;
+        let actions = arrays.take_f32(cases * action_dim, Place::Golden)?;
+        Ok(Self {
+            observation_dim,
+            action_dim,
+            observations,
+            actions,
+            rewards: match rewards {
+                true => Some(arrays.take_f32(cases, Place::Golden)?),
+                false => None,
+            },
+            integers: match outline.integers {
+                Some(integers) => Some(IntegerGolden {
+                    actions: arrays.take(cases * action_dim)?,
+                    rewards: match integers.reward {
+                        Some(_) => Some(arrays.take(cases)?),
+                        None => None,
+                    },
+                }),
+                None => None,
+            },
+        })
+    }
+
+    /// Computes every action again and compares the bits.
+    pub(crate) fn verify_policy(
         &self,
         policy: &Policy<'_>,
-        reward: Option<&RewardEnsemble<'_>>,
         scratch: &mut Scratch,
     ) -> Result<(), ArtifactError> {
         for (case, golden) in self.cases().enumerate() {
             let mut actions = [0.0; MAX_ACTION];
             let actual = actions.get_mut(..self.action_dim).unwrap_or_default();
             policy.act(golden.obs_raw, scratch, actual).map_err(shape)?;
-            same_bits(
-                Place::Policy,
-                case,
-                golden.action_unit,
-                actual,
-                f32::to_bits,
-            )?;
-            if let (Some(reward), Some(expected)) = (reward, golden.reward_raw) {
-                let actual = reward
-                    .raw(golden.obs_raw, golden.action_unit, scratch)
-                    .map_err(shape)?;
-                same_bits(Place::Reward, case, &[expected], &[actual], f32::to_bits)?;
-            }
+            let expected = golden.action_unit;
+            same_bits(Place::Policy, case, expected, actual, f32::to_bits)?;
         }
         Ok(())
     }
 
-    /// Computes every case again in integers and compares.
-    pub(crate) fn verify_integers(
+    /// Computes every reward again and compares the bits.
+    pub(crate) fn verify_reward(
         &self,
-        networks: &IntegerNetworks<'_>,
+        reward: &RewardEnsemble<'_>,
+        scratch: &mut Scratch,
+    ) -> Result<(), ArtifactError> {
+        for (case, golden) in self.cases().enumerate() {
+            let expected = golden.reward_raw.ok_or(ArtifactError::NoGolden)?;
+            let actual = reward
+                .raw(golden.obs_raw, golden.action_unit, scratch)
+                .map_err(shape)?;
+            same_bits(Place::Reward, case, &[expected], &[actual], f32::to_bits)?;
+        }
+        Ok(())
+    }
+
+    /// Computes every action again in integers and compares.
+    pub(crate) fn verify_integer_policy(
+        &self,
+        policy: &QuantisedPolicy<'_>,
         scratch: &mut IntegerScratch,
     ) -> Result<(), ArtifactError> {
         let golden = self.integers.ok_or(ArtifactError::NoIntegers)?;
-        let mut expected_actions = golden.actions.chunks_exact(self.action_dim.max(1));
-        let mut expected_rewards = golden.rewards.unwrap_or_default().iter();
-        for (
-            case,
-            GoldenCase {
-                obs_raw,
-                action_unit,
-                ..
-            },
-        ) in self.cases().enumerate()
-        {
+        let expected = golden.actions.chunks_exact(self.action_dim.max(1));
+        for (case, (golden, expected)) in self.cases().zip(expected).enumerate() {
             let mut action = [0; MAX_ACTION];
-            let actual = networks
-                .policy
-                .act_fixed(obs_raw, scratch, &mut action)
+            let actual = policy
+                .act_fixed(golden.obs_raw, scratch, &mut action)
                 .map_err(shape)?;
-            let expected = expected_actions.next().unwrap_or_default();
             same_bits(Place::IntegerPolicy, case, expected, actual, |fixed| {
                 i32::from(fixed) as u32
             })?;
-            if let (Some(reward), Some(expected)) = (&networks.reward, expected_rewards.next()) {
-                let actual = reward.sum(obs_raw, action_unit, scratch).map_err(shape)?;
-                same_bits(Place::IntegerReward, case, &[*expected], &[actual], |sum| {
-                    sum as u32
-                })?;
-            }
+        }
+        Ok(())
+    }
+
+    /// Computes every reward again in integers and compares.
+    pub(crate) fn verify_integer_reward(
+        &self,
+        reward: &QuantisedRewardEnsemble<'_>,
+        scratch: &mut IntegerScratch,
+    ) -> Result<(), ArtifactError> {
+        let golden = self.integers.ok_or(ArtifactError::NoIntegers)?;
+        let expected = golden.rewards.unwrap_or_default();
+        for (case, (golden, expected)) in self.cases().zip(expected).enumerate() {
+            let actual = reward
+                .sum(golden.obs_raw, golden.action_unit, scratch)
+                .map_err(shape)?;
+            same_bits(Place::IntegerReward, case, &[*expected], &[actual], |sum| {
+                sum as u32
+            })?;
         }
         Ok(())
     }

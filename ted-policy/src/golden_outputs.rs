@@ -3,9 +3,10 @@
 use std::vec::Vec;
 
 use ted_core::integer::IntegerScratch;
+use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
 use ted_core::{MAX_ACTION, Scratch};
 
-use crate::integers::{self, Originals};
+use crate::error::{ArtifactError, Place};
 use crate::write::{ArtifactSpec, WriteError};
 
 /// The outputs of every golden vector, one after the other.
@@ -66,16 +67,20 @@ impl GoldenOutputs {
         let Some(integers) = &spec.integers else {
             return Ok(());
         };
-        let networks = integers::join(
-            integers.policy.clone(),
-            integers.reward.clone(),
-            integers.threshold,
-            Originals {
-                policy: &spec.policy,
-                reward: spec.reward.as_ref(),
-                ted: spec.ted.as_ref(),
-            },
-        )?;
+        let normaliser = *spec.policy.normaliser();
+        let policy = QuantisedPolicy::new(normaliser, integers.policy.clone())?;
+        let reward = match (&integers.reward, &spec.reward) {
+            (Some(integer), Some(reward)) => {
+                let (input, normaliser) = (reward.input(), *reward.normaliser());
+                let reward = QuantisedRewardEnsemble::new(input, normaliser, integer.clone())?;
+                Some(reward)
+            }
+            (None, None) => None,
+            _ => {
+                let place = Place::Reward;
+                return Err(ArtifactError::IntegerPart { place }.into());
+            }
+        };
         let mut scratch = IntegerScratch::new();
         let rows = spec
             .golden_obs_raw
@@ -83,11 +88,9 @@ impl GoldenOutputs {
         for (obs_raw, action_unit) in rows.zip(self.actions.chunks_exact(spec.policy.action_dim()))
         {
             let mut action = [0; MAX_ACTION];
-            let action = networks
-                .policy
-                .act_fixed(obs_raw, &mut scratch, &mut action)?;
+            let action = policy.act_fixed(obs_raw, &mut scratch, &mut action)?;
             self.integer_actions.extend_from_slice(action);
-            if let Some(reward) = &networks.reward {
+            if let Some(reward) = &reward {
                 self.integer_rewards
                     .push(reward.sum(obs_raw, action_unit, &mut scratch)?);
             }

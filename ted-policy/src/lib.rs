@@ -21,6 +21,7 @@ mod envelope;
 mod error;
 mod golden;
 mod integers;
+mod metadata;
 mod networks;
 mod provenance;
 mod wire;
@@ -40,6 +41,7 @@ pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
 pub use error::{ArtifactError, Place};
 pub use golden::{Golden, GoldenCase};
 pub use integers::IntegerNetworks;
+pub use metadata::{List, Terms};
 pub use provenance::Provenance;
 
 #[cfg(feature = "std")]

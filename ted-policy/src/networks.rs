@@ -8,7 +8,8 @@ use ted_core::{
 
 use crate::arrays::Arrays;
 use crate::error::{ArtifactError, Place};
-use crate::wire::{Network, Reward, Ted};
+use crate::metadata::{RewardShape, Terms};
+use crate::wire::{Network, Ted};
 
 /// Passes when the policy reads the contract's observation and writes its action.
 ///
@@ -72,9 +73,8 @@ pub(crate) fn mlp<'a>(
 /// A reward ensemble that sees what the contract has.
 pub(crate) fn reward<'a>(
     arrays: &mut Arrays<'a>,
-    reward: &Reward,
-    observation: usize,
-    action: usize,
+    reward: &RewardShape<'_>,
+    terms: &Terms<'_>,
 ) -> Result<RewardEnsemble<'a>, ArtifactError> {
     let shape = |error| ArtifactError::Shape {
         place: Place::Reward,
@@ -92,10 +92,7 @@ pub(crate) fn reward<'a>(
         });
     }
     let input = RewardInput::from(reward.input);
-    let seen = match input {
-        RewardInput::Observation => observation,
-        RewardInput::ObservationAction => observation + action,
-    };
+    let seen = reward.inputs(terms);
     for (index, network) in reward.members.iter().enumerate() {
         if network.inputs() != seen {
             let error = ShapeError::Mismatch {
@@ -112,7 +109,7 @@ pub(crate) fn reward<'a>(
     let normaliser = normaliser(arrays, seen, Place::RewardNormaliser)?;
     let mut members = Vec::<Mlp<'a>, MAX_MEMBERS>::new();
     for (index, network) in reward.members.iter().enumerate() {
-        let member = mlp(arrays, network, Place::RewardMember(index as u8))?;
+        let member = mlp(arrays, &network, Place::RewardMember(index as u8))?;
         members
             .push(member)
             .map_err(|_| shape(too_many(Part::Members, MAX_MEMBERS)))?;

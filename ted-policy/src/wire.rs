@@ -7,11 +7,17 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 #[cfg(feature = "std")]
 use ted_core::Mlp;
-use ted_core::{MAX_LAYERS, MAX_MEMBERS, Output, RewardInput};
+#[cfg(feature = "std")]
+use ted_core::MAX_MEMBERS;
+use ted_core::{MAX_LAYERS, Output, RewardInput};
 
+#[cfg(feature = "std")]
 use crate::contract::Contract;
+#[cfg(feature = "std")]
 use crate::provenance::Provenance;
 
+/// All of it, for writing; it is read by [`crate::metadata`].
+#[cfg(feature = "std")]
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Metadata<'a> {
     #[serde(borrow)]
@@ -38,6 +44,7 @@ pub(crate) enum Activation {
     Tanh,
 }
 
+#[cfg(feature = "std")]
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Reward {
     pub(crate) input: Sees,

@@ -151,7 +151,7 @@ fn the_dump_in_the_document_is_an_artefact() {
         .collect();
     let bytes = ArtifactBytes::from_vec(bytes);
     let artifact = Artifact::parse(&bytes).unwrap();
-    assert_eq!(artifact.contract(), &minimal().contract);
+    assert_eq!(artifact.contract(), minimal().contract);
     artifact
         .verify_golden(&mut ted_core::Scratch::new())
         .unwrap();

@@ -17,8 +17,8 @@ fn everything_written_is_read_back() {
     let spec = full();
     let bytes = full_bytes();
     let artifact = Artifact::parse(&bytes).unwrap();
-    assert_eq!(artifact.contract(), &spec.contract);
-    assert_eq!(artifact.provenance(), &spec.provenance);
+    assert_eq!(artifact.contract(), spec.contract);
+    assert_eq!(artifact.provenance(), spec.provenance);
     assert_eq!(artifact.ted(), spec.ted);
 
     let policy = artifact.policy();
@@ -116,8 +116,8 @@ fn an_artefact_that_was_read_can_be_written_again() {
         .flat_map(|case| case.obs_raw.to_vec())
         .collect();
     let spec = ArtifactSpec {
-        contract: artifact.contract().clone(),
-        provenance: artifact.provenance().clone(),
+        contract: artifact.contract(),
+        provenance: artifact.provenance(),
         policy: artifact.policy(),
         reward: artifact.reward(),
         ted: artifact.ted(),
@@ -223,8 +223,8 @@ proptest! {
         };
         let bytes = ArtifactBytes::from_vec(write(&spec).unwrap());
         let artifact = Artifact::parse(&bytes).unwrap();
-        prop_assert_eq!(artifact.contract(), &spec.contract);
-        prop_assert_eq!(artifact.provenance(), &spec.provenance);
+        prop_assert_eq!(artifact.contract(), spec.contract);
+        prop_assert_eq!(artifact.provenance(), spec.provenance);
         let parameters = |policy: &Policy<'_>| -> Vec<u32> {
             let layers = policy.mlp().layers().flat_map(|layer| layer.weights().iter().chain(layer.bias()));
             let normaliser = policy.normaliser();

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use ted_core::MAX_ACTION;
-use ted_policy::{ActionChannel, Contract, SafeAction};
+use ted_policy::{ActionChannel, SafeAction, Terms};
 
 use super::Fault;
 
@@ -39,10 +39,10 @@ impl ActionGuard {
     /// A guard for this contract, with the plant at rest: zero, or the end of the range nearest to it, counts as the last
     /// action sent.
     #[must_use]
-    pub fn new(contract: &Contract<'_>) -> Self {
+    pub fn new(terms: &Terms<'_>) -> Self {
         let (mut limits, mut last_sent) = (Vec::new(), Vec::new());
-        for limit in contract.action.iter().map(Limit::of) {
-            // There is room: the contract's own list has no more.
+        for limit in terms.action.iter().map(|channel| Limit::of(&channel)) {
+            // There is room: the contract has no more.
             limits.push(limit).ok();
             last_sent.push(limit.rest()).ok();
         }

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use ted_core::MAX_OBSERVATION;
-use ted_policy::Contract;
+use ted_policy::Terms;
 
 use super::Fault;
 
@@ -28,15 +28,15 @@ pub struct ObservationGuard {
 impl ObservationGuard {
     /// A guard for this contract, before its first frame.
     #[must_use]
-    pub fn new(contract: &Contract<'_>) -> Self {
+    pub fn new(terms: &Terms<'_>) -> Self {
         let mut ranges = Vec::new();
-        for channel in &contract.observation {
-            // There is room: the contract's own list has no more.
+        for channel in terms.observation.iter() {
+            // There is room: the contract has no more.
             ranges.push((channel.low, channel.high)).ok();
         }
         Self {
             ranges,
-            max_age_us: u64::from(contract.max_observation_age_us),
+            max_age_us: u64::from(terms.max_observation_age_us),
             last_sequence: None,
         }
     }

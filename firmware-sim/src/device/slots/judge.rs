@@ -2,7 +2,7 @@
 
 use ted_core::Scratch;
 use ted_core::integer::IntegerScratch;
-use ted_policy::{Artifact, ArtifactError, Contract, crc32};
+use ted_policy::{Artifact, ArtifactError, Terms, crc32};
 
 use crate::device::frame::NAME_LENGTH;
 use crate::device::message::{Name, Refusal};
@@ -26,14 +26,14 @@ pub(super) struct Judged {
 pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
     let artifact = Artifact::parse(bytes).map_err(refusal)?;
     golden_in_floats(&artifact).map_err(refusal)?;
-    if artifact.integers().is_some() {
+    if artifact.has_integers() {
         golden_in_integers(&artifact).map_err(refusal)?;
     }
-    let contract = artifact.contract();
+    let terms = artifact.terms();
     Ok(Judged {
         checksum: artifact.checksum(),
-        wiring: wiring(contract),
-        task: name(contract.task),
+        wiring: wiring(terms),
+        task: name(terms.task),
     })
 }
 
@@ -71,16 +71,16 @@ pub(in crate::device) fn name(text: &str) -> Name {
 /// A digest of what a robot is wired by: names, units and order of the channels, and the control period.
 ///
 /// It stands for the contract itself, because two artefacts do not fit into the memory of a device at once.
-fn wiring(contract: &Contract<'_>) -> u32 {
-    let observation = contract
+fn wiring(terms: &Terms<'_>) -> u32 {
+    let observation = terms
         .observation
         .iter()
         .map(|channel| (channel.name, channel.unit));
-    let action = contract
+    let action = terms
         .action
         .iter()
         .map(|channel| (channel.name, channel.unit));
-    let mut digest = crc32(&[&contract.control_period_us.to_le_bytes()]);
+    let mut digest = crc32(&[&terms.control_period_us.to_le_bytes()]);
     for (kind, (name, unit)) in observation.map(|c| (0, c)).chain(action.map(|c| (1, c))) {
         // The lengths keep "ab", "c" apart from "a", "bc".
         let lengths = [kind, name.len() as u8, unit.len() as u8];
