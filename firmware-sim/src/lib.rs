@@ -29,6 +29,7 @@ pub mod plant;
 pub mod plants;
 #[cfg(feature = "std")]
 pub mod progress;
+pub mod proven;
 #[cfg(feature = "std")]
 pub mod qemu;
 #[cfg(feature = "std")]
@@ -41,3 +42,4 @@ pub mod scorer;
 mod splitmix;
 #[cfg(feature = "std")]
 pub mod tasks;
+pub mod workspace;

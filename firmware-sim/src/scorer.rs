@@ -3,18 +3,25 @@
 //! It computes what the trainer computed over its dataset, to the bit, so that a logged episode is told apart here as it
 //! would be there: the ones in the top k % are worth uploading.
 
-use ted_core::integer::IntegerScratch;
 use ted_core::quantised::QuantisedRewardEnsemble;
 use ted_core::{
-    DiscountClass, EpisodeReturn, ReturnThreshold, RewardEnsemble, Scratch, ShapeError, TedDiscount,
+    DiscountClass, EpisodeReturn, Part, ReturnThreshold, RewardEnsemble, ShapeError, TedDiscount,
 };
 use ted_policy::Artifact;
 
 use crate::controller::Numeric;
+use crate::workspace::Workspace;
 
-/// A reward ensemble, TED's border, and the return so far.
+/// A reward ensemble, TED's border, and the return so far, in working memory of its own.
 #[derive(Clone, Debug)]
 pub struct EpisodeScorer<'a> {
+    bare: BareScorer<'a>,
+    workspace: Workspace,
+}
+
+/// A scorer without working memory of its own: a device lends it the controller's.
+#[derive(Clone, Debug)]
+pub struct BareScorer<'a> {
     networks: Networks<'a>,
     ted: TedDiscount,
 }
@@ -26,13 +33,11 @@ enum Networks<'a> {
     F32 {
         reward: RewardEnsemble<'a>,
         episode: EpisodeReturn,
-        scratch: Scratch,
     },
     Integer {
         reward: QuantisedRewardEnsemble<'a>,
         threshold: ReturnThreshold<i64>,
         episode: EpisodeReturn<i64>,
-        scratch: IntegerScratch,
     },
 }
 
@@ -41,23 +46,10 @@ impl<'a> EpisodeScorer<'a> {
     /// in these numbers. The controller's load gate has replayed the ensemble's golden vectors.
     #[must_use]
     pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Option<Self> {
-        let ted = artifact.ted()?;
-        let networks = match numeric {
-            Numeric::F32 => Networks::F32 {
-                reward: artifact.reward()?,
-                episode: EpisodeReturn::default(),
-                scratch: Scratch::new(),
-            },
-            Numeric::Integer => {
-                Networks::Integer {
-                    reward: artifact.integer_reward()?,
-                    threshold: artifact.integer_threshold()?,
-                    episode: EpisodeReturn::default(),
-                    scratch: IntegerScratch::new(),
-                }
-            }
-        };
-        Some(Self { networks, ted })
+        Some(Self {
+            bare: BareScorer::load(artifact, numeric)?,
+            workspace: Workspace::new(numeric),
+        })
     }
 
     /// Adds a step: what was seen, and the action that went out.
@@ -65,18 +57,83 @@ impl<'a> EpisodeScorer<'a> {
     /// # Errors
     /// When one of the two has another length than the contract says; the return stays as it was.
     pub fn push(&mut self, obs_raw: &[f32], action_unit: &[f32]) -> Result<(), ShapeError> {
-        match &mut self.networks {
-            Networks::F32 {
-                reward,
-                episode,
-                scratch,
-            } => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
-            Networks::Integer {
-                reward,
-                episode,
-                scratch,
-                ..
-            } => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+        self.bare.push(obs_raw, action_unit, &mut self.workspace)
+    }
+
+    /// Predicted return so far, for people: a reward of 1 at every step adds up to the number of steps.
+    #[must_use]
+    pub fn return_hat(&self) -> f32 {
+        self.bare.return_hat()
+    }
+
+    /// On which side of TED's border the episode would lie if it ended now.
+    ///
+    /// `number` is its place in the dataset, which decides between equal returns: [`ted_core::NEW_EPISODE`] for one that is
+    /// not in it.
+    #[must_use]
+    pub fn class(&self, number: u32) -> DiscountClass {
+        self.bare.class(number)
+    }
+
+    /// The discount factor that TED gives to the transitions of an episode of this class.
+    #[must_use]
+    pub fn discount(&self, class: DiscountClass) -> f32 {
+        self.bare.discount(class)
+    }
+
+    /// Starts a new episode.
+    pub fn reset(&mut self) {
+        self.bare.reset();
+    }
+}
+
+impl<'a> BareScorer<'a> {
+    /// A scorer before the first step of an episode; nothing if the artefact has no reward ensemble, no discount, or not
+    /// in these numbers. The controller's load gate has replayed the ensemble's golden vectors.
+    #[must_use]
+    // Not part of its caller, whose stack would hold everything twice.
+    #[inline(never)]
+    pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Option<Self> {
+        let ted = artifact.ted()?;
+        let networks = match numeric {
+            Numeric::F32 => Networks::F32 {
+                reward: artifact.reward()?,
+                episode: EpisodeReturn::default(),
+            },
+            Numeric::Integer => Networks::Integer {
+                reward: artifact.integer_reward()?,
+                threshold: artifact.integer_threshold()?,
+                episode: EpisodeReturn::default(),
+            },
+        };
+        Some(Self { networks, ted })
+    }
+
+    /// Adds a step: what was seen, and the action that went out.
+    ///
+    /// # Errors
+    /// When one of the two has another length than the contract says, or the workspace is for other numbers; the return
+    /// stays as it was.
+    pub fn push(
+        &mut self,
+        obs_raw: &[f32],
+        action_unit: &[f32],
+        workspace: &mut Workspace,
+    ) -> Result<(), ShapeError> {
+        match (&mut self.networks, workspace) {
+            (
+                Networks::F32 {
+                    reward, episode, ..
+                },
+                Workspace::F32(scratch),
+            ) => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+            (
+                Networks::Integer {
+                    reward, episode, ..
+                },
+                Workspace::Integer(scratch),
+            ) => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+            _ => return Err(ShapeError::Empty { part: Part::Input }),
         }
         Ok(())
     }

@@ -58,27 +58,38 @@ impl<'a> RewardEnsemble<'a> {
         members: &[Mlp<'a>],
         range: RewardRange,
     ) -> Result<Self, ShapeError> {
-        ShapeError::within(Part::Members, MAX_MEMBERS, members.len())?;
+        Self::collect(input, normaliser, members.iter().cloned(), range)
+    }
+
+    /// As [`Self::new`], with members that are made one by one: each is moved once, which is what a device has memory for.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn collect(
+        input: RewardInput,
+        normaliser: Normaliser<'a>,
+        members: impl Iterator<Item = Mlp<'a>>,
+        range: RewardRange,
+    ) -> Result<Self, ShapeError> {
         let limit = match input {
             RewardInput::Observation => MAX_OBSERVATION,
             RewardInput::ObservationAction => MAX_OBSERVATION + MAX_ACTION,
         };
         ShapeError::within(Part::Inputs, limit, normaliser.channels())?;
+        let mut ensemble = Self {
+            input,
+            normaliser,
+            members: Vec::new(),
+            range,
+        };
         for member in members {
             ShapeError::same(Part::Inputs, normaliser.channels(), member.inputs())?;
             ShapeError::same(Part::Outputs, 1, member.outputs())?;
+            let pushed = ensemble.members.push(member);
+            pushed.map_err(|_| too_many(MAX_MEMBERS + 1))?;
         }
-        let mut list = Vec::new();
-        for member in members {
-            list.push(member.clone())
-                .map_err(|_| too_many(members.len()))?;
-        }
-        Ok(Self {
-            input,
-            normaliser,
-            members: list,
-            range,
-        })
+        ShapeError::within(Part::Members, MAX_MEMBERS, ensemble.members.len())?;
+        Ok(ensemble)
     }
 
     /// What the members see.

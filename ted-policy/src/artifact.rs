@@ -198,8 +198,9 @@ impl<'a> Artifact<'a> {
     /// [`ArtifactError::GoldenMismatch`] at the first bit that differs.
     pub fn verify_golden(&self, scratch: &mut Scratch) -> Result<(), ArtifactError> {
         self.golden.verify_policy(&self.policy, scratch)?;
-        match self.reward() {
-            Some(reward) => self.golden.verify_reward(&reward, scratch),
+        // Used where it is: moved, it would be on the stack twice.
+        match &self.reward() {
+            Some(reward) => self.golden.verify_reward(reward, scratch),
             None => Ok(()),
         }
     }
@@ -211,8 +212,8 @@ impl<'a> Artifact<'a> {
     pub fn verify_integer_golden(&self, scratch: &mut IntegerScratch) -> Result<(), ArtifactError> {
         let policy = self.integer_policy().ok_or(ArtifactError::NoIntegers)?;
         self.golden.verify_integer_policy(&policy, scratch)?;
-        match self.integer_reward() {
-            Some(reward) => self.golden.verify_integer_reward(&reward, scratch),
+        match &self.integer_reward() {
+            Some(reward) => self.golden.verify_integer_reward(reward, scratch),
             None => Ok(()),
         }
     }

@@ -5,12 +5,12 @@ use ted_core::integer::{
     IntegerDense, IntegerError, IntegerMlp, IntegerPolicy, IntegerRange, IntegerRewardEnsemble,
 };
 use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
-use ted_core::{MAX_LAYERS, MAX_MEMBERS, Normaliser, Part, ReturnThreshold, ShapeError};
+use ted_core::{MAX_LAYERS, Normaliser, Part, ReturnThreshold, ShapeError};
 
 use crate::arrays::Arrays;
 use crate::error::ArtifactError;
-use crate::networks::{check_widths, too_many};
 use crate::metadata::RewardShape;
+use crate::networks::{check_widths, too_many};
 use crate::wire::{FixedPoint, IntegerReward, Network};
 
 /// The networks of an artefact once more, in integers.
@@ -47,23 +47,26 @@ pub(crate) fn reward<'a>(
     shape: &RewardShape<'_>,
     normaliser: Normaliser<'a>,
 ) -> Result<QuantisedRewardEnsemble<'a>, ArtifactError> {
-    let mut members = Vec::<IntegerMlp<'a>, MAX_MEMBERS>::new();
-    for network in shape.members.iter() {
-        members
-            .push(mlp(arrays, &network)?)
-            .map_err(|_| refused(too_many(Part::Members, MAX_MEMBERS)))?;
-    }
+    let mut defect = None;
+    let members = shape.members.iter().map_while(|network| {
+        mlp(arrays, &network)
+            .map_err(|error| defect = Some(error))
+            .ok()
+    });
     let range = IntegerRange {
         low: integer.low,
         high: integer.high,
     };
-    let ensemble = IntegerRewardEnsemble::new(
+    let ensemble = IntegerRewardEnsemble::collect(
         integer.fixed_point.input_fraction_bits,
         integer.fixed_point.output_fraction_bits,
-        &members,
+        members,
         range,
-    )
-    .map_err(ArtifactError::Integer)?;
+    );
+    if let Some(error) = defect {
+        return Err(error);
+    }
+    let ensemble = ensemble.map_err(ArtifactError::Integer)?;
     QuantisedRewardEnsemble::new(shape.input.into(), normaliser, ensemble).map_err(refused)
 }
 

@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 use ted_core::{
-    Dense, MAX_LAYERS, MAX_MEMBERS, MAX_WIDTH, Mlp, Normaliser, Part, RewardEnsemble, RewardInput,
-    RewardRange, ShapeError, TedDiscount,
+    Dense, MAX_LAYERS, MAX_WIDTH, Mlp, Normaliser, Part, RewardEnsemble, RewardInput, RewardRange,
+    ShapeError, TedDiscount,
 };
 
 use crate::arrays::Arrays;
@@ -107,14 +107,18 @@ pub(crate) fn reward<'a>(
         }
     }
     let normaliser = normaliser(arrays, seen, Place::RewardNormaliser)?;
-    let mut members = Vec::<Mlp<'a>, MAX_MEMBERS>::new();
-    for (index, network) in reward.members.iter().enumerate() {
-        let member = mlp(arrays, &network, Place::RewardMember(index as u8))?;
-        members
-            .push(member)
-            .map_err(|_| shape(too_many(Part::Members, MAX_MEMBERS)))?;
+    let mut defect = None;
+    let members = reward.members.iter().enumerate();
+    let members = members.map_while(|(index, network)| {
+        mlp(arrays, &network, Place::RewardMember(index as u8))
+            .map_err(|error| defect = Some(error))
+            .ok()
+    });
+    let ensemble = RewardEnsemble::collect(input, normaliser, members, range);
+    match defect {
+        Some(error) => Err(error),
+        None => ensemble.map_err(shape),
     }
-    RewardEnsemble::new(input, normaliser, &members, range).map_err(shape)
 }
 
 /// A discount whose numbers are in range.

@@ -6,9 +6,9 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 #[cfg(feature = "std")]
-use ted_core::Mlp;
-#[cfg(feature = "std")]
 use ted_core::MAX_MEMBERS;
+#[cfg(feature = "std")]
+use ted_core::Mlp;
 use ted_core::{MAX_LAYERS, Output, RewardInput};
 
 #[cfg(feature = "std")]

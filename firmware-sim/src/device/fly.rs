@@ -9,11 +9,11 @@ use super::message::{Acted, Refusal, Reply, Request, Score, Start};
 use super::serve::{Next, answer};
 use super::slots::{Survey, refusal};
 use super::{Board, MappedFlash};
-use crate::controller::{Controller, Numeric};
+use crate::controller::{BareController, Numeric};
+use crate::proven::Proven;
 use crate::safety::ObservationFrame;
-use crate::scorer::EpisodeScorer;
-
-type Loaded<'a> = (Controller<'a>, Option<EpisodeScorer<'a>>);
+use crate::scorer::BareScorer;
+use crate::workspace::Workspace;
 
 /// The last tick: when it came, on the board's clock, and the number of its request.
 struct Heard {
@@ -27,7 +27,7 @@ pub(super) fn fly<L, F, B>(
     flash: &F,
     board: &mut B,
     survey: &Survey,
-    mut start: Start,
+    start: Start,
 ) -> Next
 where
     L: Read + ReadReady + Write,
@@ -38,117 +38,172 @@ where
         line.reply(&Reply::Refused(Refusal::NoPolicy));
         return Next::Rest;
     };
-    let (mut controller, mut scorer) = match load(active.bytes(flash), start.numeric) {
-        Ok(loaded) => loaded,
+    let bytes = active.bytes(flash);
+    let flown = prove(bytes, start.numeric)
+        .and_then(|proven| load_and_fly(line, flash, board, survey, start, bytes, proven));
+    match flown {
+        Ok(next) => next,
         Err(refusal) => {
             // The flash is not what it was when it was surveyed; the other slot may still be good.
             line.reply(&Reply::Refused(refusal));
-            return Next::Survey;
-        }
-    };
-    line.reply(&Reply::Done);
-    let mut heard: Option<Heard> = None;
-    loop {
-        let silent_at = heard
-            .as_ref()
-            .filter(|_| start.silence_us > 0)
-            .map(|heard| heard.at_us.saturating_add(u64::from(start.silence_us)));
-        match (line.wait(board, silent_at), &heard) {
-            (Event::Closed, _) => return Next::Stop,
-            (Event::Silence, None) => {}
-            (Event::Silence, Some(Heard { number, .. })) => {
-                let number = *number;
-                heard = None;
-                let (action, status) = controller.tick_without_observation(start.silence_us);
-                let silent = Acted {
-                    action,
-                    status,
-                    work: 0,
-                    score: None,
-                };
-                line.tell(number, &Reply::Silent(silent));
-            }
-            (Event::Request, _) => match line.request() {
-                Request::Tick { .. } => {
-                    heard = Some(Heard {
-                        at_us: board.now_us(),
-                        number: line.number(),
-                    });
-                    tick(line, board, &mut controller, &mut scorer);
-                }
-                Request::Rearm => {
-                    heard = None;
-                    controller.rearm();
-                    line.reply(&Reply::Done);
-                }
-                Request::Start(again) if again.numeric == start.numeric => {
-                    (heard, start) = (None, again);
-                    controller.reset();
-                    if let Some(scorer) = &mut scorer {
-                        scorer.reset();
-                    }
-                    line.reply(&Reply::Done);
-                }
-                Request::Start(other) => return Next::Fly(other),
-                Request::FlashBegin(announced) => return Next::Receive(announced),
-                _ => answer(line, flash, board, survey),
-            },
+            Next::Survey
         }
     }
 }
 
+// The functions below are apart, and kept apart, so that what only one of them needs is on the stack while it runs and no
+// longer: the networks' working memory while they are tried and while they fly, the artefact while it is read.
+
+/// Tries the golden vectors again, since nobody knows what became of the flash meanwhile.
 #[inline(never)]
-fn load(bytes: &[u8], numeric: Numeric) -> Result<Loaded<'_>, Refusal> {
+fn prove(bytes: &[u8], numeric: Numeric) -> Result<Proven, Refusal> {
     let artifact = Artifact::parse(bytes).map_err(refusal)?;
-    let controller = Controller::load(&artifact, numeric).map_err(refusal)?;
-    Ok((controller, EpisodeScorer::load(&artifact, numeric)))
+    Proven::of(&artifact, numeric).map_err(refusal)
 }
 
-fn tick<L, B>(
+#[inline(never)]
+fn load_and_fly<L, F, B>(
     line: &mut Line<L>,
+    flash: &F,
     board: &mut B,
-    controller: &mut Controller<'_>,
-    scorer: &mut Option<EpisodeScorer<'_>>,
-) where
+    survey: &Survey,
+    start: Start,
+    bytes: &[u8],
+    proven: Proven,
+) -> Result<Next, Refusal>
+where
     L: Read + ReadReady + Write,
+    F: MappedFlash,
     B: Board,
 {
-    let Request::Tick {
-        now_us,
-        sequence,
-        stamp_us,
-        values,
-    } = line.request()
-    else {
-        return;
+    let artifact = Artifact::parse(bytes).map_err(refusal)?;
+    // Used where it is: moved, it would be on the stack twice.
+    let mut loaded = BareController::load(&artifact, proven);
+    let controller = loaded.as_mut().map_err(|error| refusal(*error))?;
+    let mut scorer = BareScorer::load(&artifact, proven.numeric());
+    let mut flyer = Flyer {
+        controller,
+        scorer: scorer.as_mut(),
     };
-    let mut room = [0.0; MAX_OBSERVATION];
-    let Some(values) = values.copy_to(&mut room) else {
-        return line.reply(&Reply::Refused(Refusal::Malformed));
-    };
-    let frame = ObservationFrame {
-        sequence,
-        stamp_us,
-        values,
-    };
-    let before = board.work();
-    let (action, status) = controller.tick(now_us, &frame);
-    let after = board.work();
-    let score = scorer.as_mut().map(|scorer| {
-        // An observation that cannot be flown on says nothing about the episode; without a fault the lengths fit.
-        if status.fault.is_none() {
-            scorer.push(values, &action).ok();
+    Ok(flyer.fly(line, flash, board, survey, start))
+}
+
+/// What flies.
+struct Flyer<'f, 'a> {
+    controller: &'f mut BareController<'a>,
+    scorer: Option<&'f mut BareScorer<'a>>,
+}
+
+impl Flyer<'_, '_> {
+    #[inline(never)]
+    fn fly<L, F, B>(
+        &mut self,
+        line: &mut Line<L>,
+        flash: &F,
+        board: &mut B,
+        survey: &Survey,
+        mut start: Start,
+    ) -> Next
+    where
+        L: Read + ReadReady + Write,
+        F: MappedFlash,
+        B: Board,
+    {
+        let mut workspace = Workspace::new(start.numeric);
+        line.reply(&Reply::Done);
+        let mut heard: Option<Heard> = None;
+        loop {
+            let silent_at = heard
+                .as_ref()
+                .filter(|_| start.silence_us > 0)
+                .map(|heard| heard.at_us.saturating_add(u64::from(start.silence_us)));
+            match (line.wait(board, silent_at), &heard) {
+                (Event::Closed, _) => return Next::Stop,
+                (Event::Silence, None) => {}
+                (Event::Silence, Some(Heard { number, .. })) => {
+                    let number = *number;
+                    heard = None;
+                    let (action, status) =
+                        self.controller.tick_without_observation(start.silence_us);
+                    let silent = Acted {
+                        action,
+                        status,
+                        work: 0,
+                        score: None,
+                    };
+                    line.tell(number, &Reply::Silent(silent));
+                }
+                (Event::Request, _) => match line.request() {
+                    Request::Tick { .. } => {
+                        heard = Some(Heard {
+                            at_us: board.now_us(),
+                            number: line.number(),
+                        });
+                        self.tick(line, board, &mut workspace);
+                    }
+                    Request::Rearm => {
+                        heard = None;
+                        self.controller.rearm();
+                        line.reply(&Reply::Done);
+                    }
+                    Request::Start(again) if again.numeric == start.numeric => {
+                        (heard, start) = (None, again);
+                        self.controller.reset();
+                        if let Some(scorer) = &mut self.scorer {
+                            scorer.reset();
+                        }
+                        line.reply(&Reply::Done);
+                    }
+                    Request::Start(other) => return Next::Fly(other),
+                    Request::FlashBegin(announced) => return Next::Receive(announced),
+                    _ => answer(line, flash, board, survey),
+                },
+            }
         }
-        Score {
-            return_hat: scorer.return_hat(),
-            top_k: scorer.class(NEW_EPISODE) == DiscountClass::TopK,
-            work: board.work().wrapping_sub(after),
-        }
-    });
-    line.reply(&Reply::Acted(Acted {
-        action,
-        status,
-        work: after.wrapping_sub(before),
-        score,
-    }));
+    }
+
+    fn tick<L, B>(&mut self, line: &mut Line<L>, board: &mut B, workspace: &mut Workspace)
+    where
+        L: Read + ReadReady + Write,
+        B: Board,
+    {
+        let Request::Tick {
+            now_us,
+            sequence,
+            stamp_us,
+            values,
+        } = line.request()
+        else {
+            return;
+        };
+        let mut room = [0.0; MAX_OBSERVATION];
+        let Some(values) = values.copy_to(&mut room) else {
+            return line.reply(&Reply::Refused(Refusal::Malformed));
+        };
+        let frame = ObservationFrame {
+            sequence,
+            stamp_us,
+            values,
+        };
+        let before = board.work();
+        let (action, status) = self.controller.tick(now_us, &frame, workspace);
+        let after = board.work();
+        let score = self.scorer.as_mut().map(|scorer| {
+            // An observation that cannot be flown on says nothing about the episode; without a fault the lengths fit.
+            if status.fault.is_none() {
+                scorer.push(values, &action, workspace).ok();
+            }
+            Score {
+                return_hat: scorer.return_hat(),
+                top_k: scorer.class(NEW_EPISODE) == DiscountClass::TopK,
+                work: board.work().wrapping_sub(after),
+            }
+        });
+        line.reply(&Reply::Acted(Acted {
+            action,
+            status,
+            work: after.wrapping_sub(before),
+            score,
+        }));
+    }
 }

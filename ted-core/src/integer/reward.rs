@@ -55,15 +55,33 @@ impl<'a> IntegerRewardEnsemble<'a> {
         members: &[IntegerMlp<'a>],
         range: IntegerRange,
     ) -> Result<Self, IntegerError> {
+        let members = members.iter().cloned();
+        Self::collect(input_fraction_bits, output_fraction_bits, members, range)
+    }
+
+    /// As [`Self::new`], with members that are made one by one: each is moved once, which is what a device has memory for.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn collect(
+        input_fraction_bits: u8,
+        output_fraction_bits: u8,
+        members: impl Iterator<Item = IntegerMlp<'a>>,
+        range: IntegerRange,
+    ) -> Result<Self, IntegerError> {
         check_fraction_bits([input_fraction_bits, output_fraction_bits])?;
-        ShapeError::within(Part::Members, MAX_MEMBERS, members.len())?;
         let IntegerRange { low, high } = range;
         if high.checked_sub(low).is_none_or(|span| span < 0) {
             return Err(IntegerError::Range { low, high });
         }
-        let mut list = Vec::new();
+        let mut ensemble = Self {
+            input_fraction_bits,
+            output_fraction_bits,
+            members: Vec::new(),
+            range,
+        };
         for member in members {
-            let first = list.first().unwrap_or(member);
+            let first = ensemble.members.first().unwrap_or(&member);
             ShapeError::within(Part::Inputs, MAX_OBSERVATION + MAX_ACTION, member.inputs())?;
             ShapeError::same(Part::Inputs, first.inputs(), member.inputs())?;
             ShapeError::same(Part::Outputs, 1, member.outputs())?;
@@ -73,16 +91,12 @@ impl<'a> IntegerRewardEnsemble<'a> {
             let too_many = |_| ShapeError::TooLarge {
                 part: Part::Members,
                 limit: MAX_MEMBERS,
-                actual: members.len(),
+                actual: MAX_MEMBERS + 1,
             };
-            list.push(member.clone()).map_err(too_many)?;
+            ensemble.members.push(member).map_err(too_many)?;
         }
-        Ok(Self {
-            input_fraction_bits,
-            output_fraction_bits,
-            members: list,
-            range,
-        })
+        ShapeError::within(Part::Members, MAX_MEMBERS, ensemble.members.len())?;
+        Ok(ensemble)
     }
 
     /// Fraction bits of the standardised input.

@@ -1,11 +1,11 @@
 //! Whether the bytes in a slot are an artefact that this device flies, and what distinguishes it from others.
 
-use ted_core::Scratch;
-use ted_core::integer::IntegerScratch;
 use ted_policy::{Artifact, ArtifactError, Terms, crc32};
 
+use crate::controller::Numeric;
 use crate::device::frame::NAME_LENGTH;
 use crate::device::message::{Name, Refusal};
+use crate::proven::Proven;
 
 /// What is worth remembering of an artefact that was found good.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,9 +25,9 @@ pub(super) struct Judged {
 #[inline(never)]
 pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
     let artifact = Artifact::parse(bytes).map_err(refusal)?;
-    golden_in_floats(&artifact).map_err(refusal)?;
+    Proven::of(&artifact, Numeric::F32).map_err(refusal)?;
     if artifact.has_integers() {
-        golden_in_integers(&artifact).map_err(refusal)?;
+        Proven::of(&artifact, Numeric::Integer).map_err(refusal)?;
     }
     let terms = artifact.terms();
     Ok(Judged {
@@ -35,17 +35,6 @@ pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
         wiring: wiring(terms),
         task: name(terms.task),
     })
-}
-
-/// Apart, so that its working memory is on the stack for no longer than it is used.
-#[inline(never)]
-fn golden_in_floats(artifact: &Artifact<'_>) -> Result<(), ArtifactError> {
-    artifact.verify_golden(&mut Scratch::new())
-}
-
-#[inline(never)]
-fn golden_in_integers(artifact: &Artifact<'_>) -> Result<(), ArtifactError> {
-    artifact.verify_integer_golden(&mut IntegerScratch::new())
 }
 
 /// As a refusal on the wire.
