@@ -91,22 +91,49 @@ impl<'a> BareScorer<'a> {
     /// A scorer before the first step of an episode; nothing if the artefact has no reward ensemble, no discount, or not
     /// in these numbers. The controller's load gate has replayed the ensemble's golden vectors.
     #[must_use]
-    // Not part of its caller, whose stack would hold everything twice.
-    #[inline(never)]
     pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Option<Self> {
-        let ted = artifact.ted()?;
+        let mut scorer = Self::unfilled(artifact, numeric)?;
+        scorer.fill(artifact).then_some(scorer)
+    }
+
+    /// A scorer without networks, a place for [`Self::fill`]; nothing if the artefact has no discount.
+    // Not part of its caller, whose stack would hold it twice.
+    #[inline(never)]
+    #[must_use]
+    pub fn unfilled(artifact: &Artifact<'a>, numeric: Numeric) -> Option<Self> {
         let networks = match numeric {
             Numeric::F32 => Networks::F32 {
-                reward: artifact.reward()?,
+                reward: RewardEnsemble::unfilled(),
                 episode: EpisodeReturn::default(),
             },
             Numeric::Integer => Networks::Integer {
-                reward: artifact.integer_reward()?,
-                threshold: artifact.integer_threshold()?,
+                reward: QuantisedRewardEnsemble::unfilled(),
+                threshold: ReturnThreshold {
+                    return_hat: 0,
+                    last_tied_episode: 0,
+                },
                 episode: EpisodeReturn::default(),
             },
         };
+        let ted = artifact.ted()?;
         Some(Self { networks, ted })
+    }
+
+    /// Takes the artefact's networks, where it is: on a device there is no room to move them. False if it has none in
+    /// these numbers; the scorer is not to be used then.
+    pub fn fill(&mut self, artifact: &Artifact<'a>) -> bool {
+        match &mut self.networks {
+            Networks::F32 { reward, .. } => artifact.read_reward(reward),
+            Networks::Integer {
+                reward, threshold, ..
+            } => match artifact.integer_threshold() {
+                Some(border) => {
+                    *threshold = border;
+                    artifact.read_integer_reward(reward)
+                }
+                None => false,
+            },
+        }
     }
 
     /// Adds a step: what was seen, and the action that went out.

@@ -13,6 +13,12 @@ pub struct Normaliser<'a> {
 }
 
 impl<'a> Normaliser<'a> {
+    /// Of no channels.
+    pub(crate) const NONE: Self = Self {
+        shift: &[],
+        scale: &[],
+    };
+
     /// Checks the sizes and borrows the statistics.
     ///
     /// # Errors

@@ -58,38 +58,50 @@ impl<'a> RewardEnsemble<'a> {
         members: &[Mlp<'a>],
         range: RewardRange,
     ) -> Result<Self, ShapeError> {
-        Self::collect(input, normaliser, members.iter().cloned(), range)
+        let mut ensemble = Self::unfilled();
+        ensemble.fill(input, normaliser, members.iter().cloned(), range)?;
+        Ok(ensemble)
     }
 
-    /// As [`Self::new`], with members that are made one by one: each is moved once, which is what a device has memory for.
+    /// An ensemble without members, which predicts 0: a place for [`Self::fill`].
+    #[must_use]
+    pub const fn unfilled() -> Self {
+        Self {
+            input: RewardInput::Observation,
+            normaliser: Normaliser::NONE,
+            members: Vec::new(),
+            range: RewardRange {
+                low: 0.0,
+                high: 0.0,
+            },
+        }
+    }
+
+    /// Becomes the ensemble of these parts, where it is: on a device there is no room to make it elsewhere and move it.
     ///
     /// # Errors
-    /// As [`Self::new`].
-    pub fn collect(
+    /// As [`Self::new`]; it is not to be used then.
+    pub fn fill(
+        &mut self,
         input: RewardInput,
         normaliser: Normaliser<'a>,
         members: impl Iterator<Item = Mlp<'a>>,
         range: RewardRange,
-    ) -> Result<Self, ShapeError> {
+    ) -> Result<(), ShapeError> {
         let limit = match input {
             RewardInput::Observation => MAX_OBSERVATION,
             RewardInput::ObservationAction => MAX_OBSERVATION + MAX_ACTION,
         };
         ShapeError::within(Part::Inputs, limit, normaliser.channels())?;
-        let mut ensemble = Self {
-            input,
-            normaliser,
-            members: Vec::new(),
-            range,
-        };
+        (self.input, self.normaliser, self.range) = (input, normaliser, range);
+        self.members.clear();
         for member in members {
             ShapeError::same(Part::Inputs, normaliser.channels(), member.inputs())?;
             ShapeError::same(Part::Outputs, 1, member.outputs())?;
-            let pushed = ensemble.members.push(member);
+            let pushed = self.members.push(member);
             pushed.map_err(|_| too_many(MAX_MEMBERS + 1))?;
         }
-        ShapeError::within(Part::Members, MAX_MEMBERS, ensemble.members.len())?;
-        Ok(ensemble)
+        ShapeError::within(Part::Members, MAX_MEMBERS, self.members.len())
     }
 
     /// What the members see.

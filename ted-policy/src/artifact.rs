@@ -123,10 +123,18 @@ impl<'a> Artifact<'a> {
     /// The reward ensemble, if it was exported too.
     #[must_use]
     pub fn reward(&self) -> Option<RewardEnsemble<'a>> {
-        let mut arrays = self.reward_arrays;
-        let shape = self.outline.reward.as_ref()?;
+        let mut reward = RewardEnsemble::unfilled();
+        self.read_reward(&mut reward).then_some(reward)
+    }
+
+    /// Makes `into` the reward ensemble; false if it was not exported.
+    pub fn read_reward(&self, into: &mut RewardEnsemble<'a>) -> bool {
+        let Some(shape) = &self.outline.reward else {
+            return false;
+        };
         // It was put together once, so it can be again.
-        networks::reward(&mut arrays, shape, &self.outline.terms).ok()
+        let mut arrays = self.reward_arrays;
+        networks::reward(&mut arrays, shape, &self.outline.terms, into).is_ok()
     }
 
     /// TED's discount, if the run used it.
@@ -160,11 +168,33 @@ impl<'a> Artifact<'a> {
     /// The reward ensemble in integers, if it was exported too.
     #[must_use]
     pub fn integer_reward(&self) -> Option<QuantisedRewardEnsemble<'a>> {
-        let integers = self.outline.integers?;
-        let (_, mut arrays) = self.integer_policy_and_rest()?;
-        let shape = self.outline.reward.as_ref()?;
-        let normaliser = reward_normaliser(self.reward_arrays, shape, &self.outline.terms).ok()?;
-        integers::reward(&mut arrays, integers.reward?, shape, normaliser).ok()
+        let mut reward = QuantisedRewardEnsemble::unfilled();
+        self.read_integer_reward(&mut reward).then_some(reward)
+    }
+
+    /// Makes `into` the reward ensemble in integers; false if it was not exported.
+    pub fn read_integer_reward(&self, into: &mut QuantisedRewardEnsemble<'a>) -> bool {
+        let parts = self
+            .outline
+            .integers
+            .as_ref()
+            .zip(self.outline.reward.as_ref());
+        let Some((
+            Integers {
+                reward: Some(integer),
+                ..
+            },
+            shape,
+        )) = parts
+        else {
+            return false;
+        };
+        let Some((_, mut arrays)) = self.integer_policy_and_rest() else {
+            return false;
+        };
+        reward_normaliser(self.reward_arrays, shape, &self.outline.terms)
+            .and_then(|normaliser| integers::reward(&mut arrays, *integer, shape, normaliser, into))
+            .is_ok()
     }
 
     /// TED's border in the unit of the integer rewards, if the run used TED and the networks were exported in integers.
@@ -198,10 +228,10 @@ impl<'a> Artifact<'a> {
     /// [`ArtifactError::GoldenMismatch`] at the first bit that differs.
     pub fn verify_golden(&self, scratch: &mut Scratch) -> Result<(), ArtifactError> {
         self.golden.verify_policy(&self.policy, scratch)?;
-        // Used where it is: moved, it would be on the stack twice.
-        match &self.reward() {
-            Some(reward) => self.golden.verify_reward(reward, scratch),
-            None => Ok(()),
+        let mut reward = RewardEnsemble::unfilled();
+        match self.read_reward(&mut reward) {
+            true => self.golden.verify_reward(&reward, scratch),
+            false => Ok(()),
         }
     }
 
@@ -212,9 +242,10 @@ impl<'a> Artifact<'a> {
     pub fn verify_integer_golden(&self, scratch: &mut IntegerScratch) -> Result<(), ArtifactError> {
         let policy = self.integer_policy().ok_or(ArtifactError::NoIntegers)?;
         self.golden.verify_integer_policy(&policy, scratch)?;
-        match &self.integer_reward() {
-            Some(reward) => self.golden.verify_integer_reward(reward, scratch),
-            None => Ok(()),
+        let mut reward = QuantisedRewardEnsemble::unfilled();
+        match self.read_integer_reward(&mut reward) {
+            true => self.golden.verify_integer_reward(&reward, scratch),
+            false => Ok(()),
         }
     }
 }
@@ -226,7 +257,7 @@ fn check_reward(
     shape: &RewardShape<'_>,
     terms: &Terms<'_>,
 ) -> Result<(), ArtifactError> {
-    networks::reward(arrays, shape, terms).map(|_| ())
+    networks::reward(arrays, shape, terms, &mut RewardEnsemble::unfilled())
 }
 
 /// The same in integers; `reward_arrays` are where those of the floats start.
@@ -240,7 +271,8 @@ fn check_integer_reward<'a>(
     match (integers.reward, &outline.reward) {
         (Some(integer), Some(shape)) => {
             let normaliser = reward_normaliser(*reward_arrays, shape, &outline.terms)?;
-            integers::reward(arrays, integer, shape, normaliser).map(|_| ())
+            let mut reward = QuantisedRewardEnsemble::unfilled();
+            integers::reward(arrays, integer, shape, normaliser, &mut reward)
         }
         (None, None) => Ok(()),
         _ => Err(ArtifactError::IntegerPart {

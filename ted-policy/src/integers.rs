@@ -1,9 +1,7 @@
 //! The networks in integers: what an artefact holds of them, and how it is read.
 
 use heapless::Vec;
-use ted_core::integer::{
-    IntegerDense, IntegerError, IntegerMlp, IntegerPolicy, IntegerRange, IntegerRewardEnsemble,
-};
+use ted_core::integer::{IntegerDense, IntegerError, IntegerMlp, IntegerPolicy, IntegerRange};
 use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
 use ted_core::{MAX_LAYERS, Normaliser, Part, ReturnThreshold, ShapeError};
 
@@ -40,13 +38,14 @@ pub(crate) fn policy<'a>(
     QuantisedPolicy::new(normaliser, policy).map_err(refused)
 }
 
-/// Reads the reward ensemble in integers behind the normaliser of the float one.
+/// Makes `into` the reward ensemble in integers behind the normaliser of the float one.
 pub(crate) fn reward<'a>(
     arrays: &mut Arrays<'a>,
     integer: IntegerReward,
     shape: &RewardShape<'_>,
     normaliser: Normaliser<'a>,
-) -> Result<QuantisedRewardEnsemble<'a>, ArtifactError> {
+    into: &mut QuantisedRewardEnsemble<'a>,
+) -> Result<(), ArtifactError> {
     let mut defect = None;
     let members = shape.members.iter().map_while(|network| {
         mlp(arrays, &network)
@@ -57,17 +56,17 @@ pub(crate) fn reward<'a>(
         low: integer.low,
         high: integer.high,
     };
-    let ensemble = IntegerRewardEnsemble::collect(
-        integer.fixed_point.input_fraction_bits,
-        integer.fixed_point.output_fraction_bits,
-        members,
-        range,
-    );
-    if let Some(error) = defect {
-        return Err(error);
+    let FixedPoint {
+        input_fraction_bits,
+        output_fraction_bits,
+    } = integer.fixed_point;
+    let filled = into.fill(shape.input.into(), normaliser, |ensemble| {
+        ensemble.fill(input_fraction_bits, output_fraction_bits, members, range)
+    });
+    match defect {
+        Some(error) => Err(error),
+        None => filled.map_err(ArtifactError::Integer),
     }
-    let ensemble = ensemble.map_err(ArtifactError::Integer)?;
-    QuantisedRewardEnsemble::new(shape.input.into(), normaliser, ensemble).map_err(refused)
 }
 
 /// A network in integers: weights, biases, multipliers and shifts of each layer.

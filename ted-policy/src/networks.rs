@@ -70,12 +70,13 @@ pub(crate) fn mlp<'a>(
     Mlp::new(&layers, network.output.into()).map_err(shape)
 }
 
-/// A reward ensemble that sees what the contract has.
+/// Makes `into` a reward ensemble that sees what the contract has.
 pub(crate) fn reward<'a>(
     arrays: &mut Arrays<'a>,
     reward: &RewardShape<'_>,
     terms: &Terms<'_>,
-) -> Result<RewardEnsemble<'a>, ArtifactError> {
+    into: &mut RewardEnsemble<'a>,
+) -> Result<(), ArtifactError> {
     let shape = |error| ArtifactError::Shape {
         place: Place::Reward,
         error,
@@ -114,10 +115,10 @@ pub(crate) fn reward<'a>(
             .map_err(|error| defect = Some(error))
             .ok()
     });
-    let ensemble = RewardEnsemble::collect(input, normaliser, members, range);
+    let filled = into.fill(input, normaliser, members, range);
     match defect {
         Some(error) => Err(error),
-        None => ensemble.map_err(shape),
+        None => filled.map_err(shape),
     }
 }
 

@@ -80,11 +80,11 @@ where
     // Used where it is: moved, it would be on the stack twice.
     let mut loaded = BareController::load(&artifact, proven);
     let controller = loaded.as_mut().map_err(|error| refusal(*error))?;
-    let mut scorer = BareScorer::load(&artifact, proven.numeric());
-    let mut flyer = Flyer {
-        controller,
-        scorer: scorer.as_mut(),
-    };
+    let mut place = BareScorer::unfilled(&artifact, proven.numeric());
+    let scorer = place
+        .as_mut()
+        .and_then(|scorer| scorer.fill(&artifact).then_some(scorer));
+    let mut flyer = Flyer { controller, scorer };
     Ok(flyer.fly(line, flash, board, survey, start))
 }
 

@@ -55,33 +55,45 @@ impl<'a> IntegerRewardEnsemble<'a> {
         members: &[IntegerMlp<'a>],
         range: IntegerRange,
     ) -> Result<Self, IntegerError> {
+        let mut ensemble = Self::unfilled();
         let members = members.iter().cloned();
-        Self::collect(input_fraction_bits, output_fraction_bits, members, range)
+        ensemble.fill(input_fraction_bits, output_fraction_bits, members, range)?;
+        Ok(ensemble)
     }
 
-    /// As [`Self::new`], with members that are made one by one: each is moved once, which is what a device has memory for.
+    /// An ensemble without members, whose sum is 0: a place for [`Self::fill`].
+    #[must_use]
+    pub const fn unfilled() -> Self {
+        Self {
+            input_fraction_bits: 0,
+            output_fraction_bits: 0,
+            members: Vec::new(),
+            range: IntegerRange { low: 0, high: 0 },
+        }
+    }
+
+    /// Becomes the ensemble of these parts, where it is: on a device there is no room to make it elsewhere and move it.
     ///
     /// # Errors
-    /// As [`Self::new`].
-    pub fn collect(
+    /// As [`Self::new`]; it is not to be used then.
+    pub fn fill(
+        &mut self,
         input_fraction_bits: u8,
         output_fraction_bits: u8,
         members: impl Iterator<Item = IntegerMlp<'a>>,
         range: IntegerRange,
-    ) -> Result<Self, IntegerError> {
+    ) -> Result<(), IntegerError> {
         check_fraction_bits([input_fraction_bits, output_fraction_bits])?;
         let IntegerRange { low, high } = range;
         if high.checked_sub(low).is_none_or(|span| span < 0) {
             return Err(IntegerError::Range { low, high });
         }
-        let mut ensemble = Self {
-            input_fraction_bits,
-            output_fraction_bits,
-            members: Vec::new(),
-            range,
-        };
+        self.input_fraction_bits = input_fraction_bits;
+        self.output_fraction_bits = output_fraction_bits;
+        self.range = range;
+        self.members.clear();
         for member in members {
-            let first = ensemble.members.first().unwrap_or(&member);
+            let first = self.members.first().unwrap_or(&member);
             ShapeError::within(Part::Inputs, MAX_OBSERVATION + MAX_ACTION, member.inputs())?;
             ShapeError::same(Part::Inputs, first.inputs(), member.inputs())?;
             ShapeError::same(Part::Outputs, 1, member.outputs())?;
@@ -93,10 +105,10 @@ impl<'a> IntegerRewardEnsemble<'a> {
                 limit: MAX_MEMBERS,
                 actual: MAX_MEMBERS + 1,
             };
-            ensemble.members.push(member).map_err(too_many)?;
+            self.members.push(member).map_err(too_many)?;
         }
-        ShapeError::within(Part::Members, MAX_MEMBERS, ensemble.members.len())?;
-        Ok(ensemble)
+        ShapeError::within(Part::Members, MAX_MEMBERS, self.members.len())?;
+        Ok(())
     }
 
     /// Fraction bits of the standardised input.

@@ -33,6 +33,32 @@ impl<'a> QuantisedRewardEnsemble<'a> {
         })
     }
 
+    /// An ensemble without members, whose sum is 0: a place for [`Self::fill`].
+    #[must_use]
+    pub const fn unfilled() -> Self {
+        Self {
+            input: RewardInput::Observation,
+            normaliser: Normaliser::NONE,
+            ensemble: IntegerRewardEnsemble::unfilled(),
+        }
+    }
+
+    /// Becomes the ensemble of these parts, where it is: `fill` makes the ensemble in integers from one without members.
+    ///
+    /// # Errors
+    /// As [`Self::new`] and `fill`; it is not to be used then.
+    pub fn fill<E: From<ShapeError>>(
+        &mut self,
+        input: RewardInput,
+        normaliser: Normaliser<'a>,
+        fill: impl FnOnce(&mut IntegerRewardEnsemble<'a>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        (self.input, self.normaliser) = (input, normaliser);
+        fill(&mut self.ensemble)?;
+        ShapeError::same(Part::Shift, self.ensemble.inputs(), normaliser.channels())?;
+        Ok(())
+    }
+
     /// What computes, in integers.
     #[must_use]
     pub fn integer(&self) -> &IntegerRewardEnsemble<'a> {
