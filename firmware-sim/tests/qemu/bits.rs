@@ -1,0 +1,90 @@
+//! Every core computes the host's bits, in both numbers: actions, predicted returns and TED's class.
+
+use firmware_sim::controller::{Controller, Numeric};
+use firmware_sim::qemu::{Board, Link};
+use firmware_sim::rollout::Pilot;
+use firmware_sim::safety::ObservationFrame;
+use firmware_sim::scorer::EpisodeScorer;
+use ted_core::{DiscountClass, NEW_EPISODE};
+use ted_policy::{Artifact, ArtifactBytes};
+
+use super::artefacts::{self, Numbers, OBSERVATION};
+use super::boards;
+
+const TICKS: u32 = 12;
+const PERIOD_US: u64 = 12_500;
+
+/// The stack that the budget allows: 8 KiB, and the link's buffers, which are on it.
+const STACK_BUDGET: u32 = 8 * 1024 + 790;
+
+fn flies_the_host_s_bits(board: Board, numeric: Numeric) {
+    let bytes = ArtifactBytes::from_vec(artefacts::large());
+    let artifact = Artifact::parse(&bytes).unwrap();
+    let mut controller = Controller::load(&artifact, numeric).unwrap();
+    let mut scorer = EpisodeScorer::load(&artifact, numeric).unwrap();
+    let connection = boards::with(&boards::fleet(board, Link::Fifo, None), &bytes);
+    let mut pilot = boards::pilot(connection, numeric);
+    pilot.reset().unwrap();
+
+    let mut numbers = Numbers::new(7);
+    let mut moved = false;
+    for tick in 0..TICKS {
+        let values: [f32; OBSERVATION] = std::array::from_fn(|_| numbers.unit());
+        let now_us = u64::from(tick) * PERIOD_US;
+        let frame = ObservationFrame {
+            sequence: tick,
+            stamp_us: now_us,
+            values: &values,
+        };
+        let (action, status) = controller.tick(now_us, &frame);
+        scorer.push(&values, &action).unwrap();
+        let acted = pilot.act(now_us, &frame).unwrap();
+
+        assert_eq!(acted.status, status);
+        assert_eq!(status.fault, None);
+        let bits = |action: &[f32]| action.iter().map(|it| it.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&acted.action), bits(&action), "tick {tick} on {board}");
+        moved |= action.iter().any(|it| it.abs() > 0.01 && it.abs() < 0.99);
+        let score = acted.score.expect("the artefact can score");
+        assert_eq!(score.return_hat.to_bits(), scorer.return_hat().to_bits());
+        let top_k = scorer.class(NEW_EPISODE) == DiscountClass::TopK;
+        assert_eq!(score.top_k, top_k);
+    }
+    assert!(moved, "the actions say something");
+    let health = pilot.health().unwrap();
+    assert!(
+        health.stack_high_water <= STACK_BUDGET,
+        "{board} used {} bytes of stack, {STACK_BUDGET} are allowed",
+        health.stack_high_water
+    );
+}
+
+#[test]
+fn a_cortex_m4f_computes_the_host_s_floats() {
+    flies_the_host_s_bits(Board::An386, Numeric::F32);
+}
+
+#[test]
+fn a_cortex_m4f_computes_the_host_s_integers() {
+    flies_the_host_s_bits(Board::An386, Numeric::Integer);
+}
+
+#[test]
+fn a_cortex_m7_computes_the_host_s_floats() {
+    flies_the_host_s_bits(Board::An500, Numeric::F32);
+}
+
+#[test]
+fn a_cortex_m7_computes_the_host_s_integers() {
+    flies_the_host_s_bits(Board::An500, Numeric::Integer);
+}
+
+#[test]
+fn a_cortex_m33_computes_the_host_s_floats() {
+    flies_the_host_s_bits(Board::An505, Numeric::F32);
+}
+
+#[test]
+fn a_cortex_m33_computes_the_host_s_integers() {
+    flies_the_host_s_bits(Board::An505, Numeric::Integer);
+}

@@ -1,0 +1,81 @@
+//! The plug is pulled while an artefact is sent: what flew before flies on, from the same file of flash.
+
+use firmware_sim::controller::Numeric;
+use firmware_sim::device::message::{FlashBegin, Request};
+use firmware_sim::device::slots::SlotReport;
+use firmware_sim::plants::toy::ToyPlant;
+use firmware_sim::qemu::{Board, Device, Link};
+use firmware_sim::remote::{Connection, RemoteError, flash};
+use firmware_sim::rollout::fly_episode;
+use ted_policy::{Artifact, ArtifactBytes};
+
+use super::{artefacts, boards};
+
+fn checksum(artefact: &[u8]) -> u32 {
+    let bytes = ArtifactBytes::from_vec(artefact.to_vec());
+    Artifact::parse(&bytes).unwrap().checksum()
+}
+
+fn flying(connection: &Connection<Device>) -> Option<u32> {
+    connection.hello().slots.iter().find_map(|slot| match slot {
+        SlotReport::Active { checksum } => Some(*checksum),
+        _ => None,
+    })
+}
+
+#[test]
+fn what_flew_before_flies_on_when_the_plug_is_pulled_in_the_middle_of_an_artefact() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = folder.path().join("flash");
+    let fleet = boards::fleet(Board::An386, Link::Fifo, Some(&image));
+    let (old, new) = (artefacts::toy(), artefacts::other_toy());
+    drop(boards::with(&fleet, &old));
+
+    let chunks: Vec<_> = new.chunks(256).collect();
+    for sent in 0..=chunks.len() {
+        let mut connection = fleet.connect().unwrap();
+        let begin = FlashBegin {
+            length: new.len() as u32,
+            checksum: checksum(&new),
+            accept_other_contract: false,
+        };
+        connection
+            .ask("announce", &Request::FlashBegin(begin))
+            .unwrap();
+        for (index, &bytes) in chunks.iter().enumerate().take(sent) {
+            let offset = 256 * index as u32;
+            connection
+                .ask("send", &Request::FlashData { offset, bytes })
+                .unwrap();
+        }
+        connection.stream().kill();
+        let error = connection.greet();
+        assert!(matches!(error, Err(RemoteError::Link(_))), "{error:?}");
+        drop(connection);
+
+        let connection = fleet.connect().unwrap();
+        assert_eq!(flying(&connection), Some(checksum(&old)), "after {sent}");
+        let mut pilot = boards::pilot(connection, Numeric::F32);
+        let (episode, _) = fly_episode(&mut pilot, &mut ToyPlant::new(), 1).unwrap();
+        assert!(episode.success);
+    }
+
+    let mut connection = fleet.connect().unwrap();
+    flash(&mut connection, &new, false, |_| ()).unwrap();
+    drop(connection);
+    let connection = fleet.connect().unwrap();
+    assert_eq!(flying(&connection), Some(checksum(&new)));
+}
+
+#[test]
+fn a_file_of_flash_belongs_to_one_board_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = folder.path().join("flash");
+    let fleet = boards::fleet(Board::An386, Link::Fifo, Some(&image));
+    let first = fleet.connect().unwrap();
+    let second = fleet.connect();
+    let words = second.map(|_| ()).unwrap_err().to_string();
+    assert!(words.contains("another board runs from it"), "{words}");
+    drop(first);
+    fleet.connect().unwrap();
+}
