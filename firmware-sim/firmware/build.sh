@@ -14,9 +14,11 @@ boards=("$@")
 if [ ${#boards[@]} -eq 0 ]; then
     boards=(mps2-an386 mps2-an500 mps2-an505)
 fi
+# For check.sh: other features, and another folder for what they give.
 features=${TED_FIRMWARE_FEATURES:-}
-mkdir -p "${CARGO_TARGET_DIR:-../../target}/firmware"
+mkdir -p "${CARGO_TARGET_DIR:-../../target}/firmware/${TED_FIRMWARE_OUT:-}"
 out=$(cd "${CARGO_TARGET_DIR:-../../target}/firmware" && pwd)
+images=$out${TED_FIRMWARE_OUT:+/$TED_FIRMWARE_OUT}
 
 fail() {
     printf 'firmware build: %s\n' "$1" >&2
@@ -82,11 +84,11 @@ build() {
     fi
     RUSTFLAGS=$flags "${cargo[@]}" build --quiet --locked --release --features "$board${features:+,$features}" \
         --target "$target" --target-dir "$out/$toolchain" "${extra[@]}"
-    cp "$out/$toolchain/$target/release/ted-firmware" "$out/$board.elf.new"
-    mv "$out/$board.elf.new" "$out/$board.elf"
-    "${rustc[@]}" --version | sed "s/\$/, $toolchain, for $processor/" >"$out/$board.txt"
-    printf 'firmware build: %s by %s\n' "$board" "$(cat "$out/$board.txt")" >&2
-    echo "$out/$board.elf"
+    cp "$out/$toolchain/$target/release/ted-firmware" "$images/$board.elf.new"
+    mv "$images/$board.elf.new" "$images/$board.elf"
+    "${rustc[@]}" --version | sed "s/\$/, $toolchain, for $processor/" >"$images/$board.txt"
+    printf 'firmware build: %s by %s\n' "$board" "$(cat "$images/$board.txt")" >&2
+    echo "$images/$board.elf"
 }
 
 # Boards of one target share a folder in which each image has the same name, so two builds at once take turns.

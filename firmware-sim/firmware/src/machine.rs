@@ -34,7 +34,11 @@ impl Board for Machine {
     }
 
     fn work(&mut self) -> u32 {
-        self.clock.ticks()
+        let ticks = self.clock.ticks();
+        if cfg!(feature = "panic-on-purpose") {
+            assert!(ticks != 1, "on purpose");
+        }
+        ticks
     }
 
     fn stack_high_water(&mut self) -> u32 {
