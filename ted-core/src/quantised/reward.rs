@@ -118,7 +118,8 @@ impl<'a> QuantisedRewardEnsemble<'a> {
     pub fn unit(&self, integer: i64) -> f32 {
         match self.ensemble.range().span() {
             0 => 0.0,
-            span => (integer as f64 / f64::from(span)) as f32,
+            // In single precision, which a microcontroller has.
+            span => integer as f32 / span as f32,
         }
     }
 }
