@@ -57,7 +57,7 @@ static INTEGER_MOVE: [i8; ACTION_DIM * HIDDEN] = [
     0, 0, 0, 0, //
 ];
 static INTEGER_NO_BIAS: [i32; HIDDEN] = [0; HIDDEN];
-static INTEGER_CLOSE: [i32; ACTION_DIM] = [0, 0, 2 * 100 << WAY_BITS];
+static INTEGER_CLOSE: [i32; ACTION_DIM] = [0, 0, (2 * 100) << WAY_BITS];
 static INTEGER_DISLIKE: [[i8; HIDDEN]; 2] = [[-100; HIDDEN], [-120; HIDDEN]];
 /// 0.64 and 0.512 with 31 fraction bits.
 static MOVES: [i32; HIDDEN] = [1_374_389_535; HIDDEN];
