@@ -1,9 +1,11 @@
 //! Two slots: whatever happens to one, the other flies.
 
 use firmware_sim::bench::MemoryFlash;
-use firmware_sim::device::message::{FlashBegin, Refusal};
+use firmware_sim::device::message::{FlashBegin, Refusal, Start};
 use firmware_sim::device::slots::{SlotReport, Survey, Transfer, survey};
-use firmware_sim::remote::{Flashed, Progress, RemoteError, flash};
+use firmware_sim::plants::toy::ToyPlant;
+use firmware_sim::remote::{Flashed, Progress, RemoteController, RemoteError, flash};
+use firmware_sim::rollout::fly_episode;
 use ted_policy::Artifact;
 
 use super::artefacts::{
@@ -216,6 +218,27 @@ fn an_artefact_that_this_machine_computes_differently_is_refused() {
     let checksum = crc32fast::hash(&artefact);
     artefact[12..16].copy_from_slice(&checksum.to_le_bytes());
     assert!(matches!(refused(&artefact).0, Refusal::Golden { .. }));
+}
+
+#[test]
+fn a_device_whose_flash_fails_says_so_and_flies_on() {
+    let old = toy_artefact();
+    for after in [0, 4000, 5000, 9000] {
+        let mut memory = flash_with(&[&old]);
+        memory.cut_power_at(memory.changed() + after);
+        let mut connection = connected(memory);
+        let error = flash(&mut connection, &other_artefact(), false, |_| {}).unwrap_err();
+        let is_flash = |refusal| refusal == Refusal::Flash;
+        assert!(
+            matches!(error, RemoteError::Refused { refusal, .. } if is_flash(refusal)),
+            "{error}"
+        );
+        connection.greet().unwrap();
+        assert_eq!(connection.hello().active, Some(0));
+        let mut pilot = RemoteController::new(connection, Start::default());
+        let (report, _) = fly_episode(&mut pilot, &mut ToyPlant::new(), 7).unwrap();
+        assert!(report.success);
+    }
 }
 
 #[test]
