@@ -21,6 +21,34 @@ pub(crate) fn dense(
     out: &mut [f32],
     activate: impl Fn(f32) -> f32,
 ) {
+    #[cfg(target_arch = "x86_64")]
+    let (weights, bias, out) = {
+        let rows = crate::x86::sums(weights, bias, x, out);
+        for out in out.iter_mut().take(rows) {
+            *out = activate(*out);
+        }
+        let rest = (
+            weights.get(rows * x.len()..),
+            bias.get(rows..),
+            out.get_mut(rows..),
+        );
+        let (Some(weights), Some(bias), Some(out)) = rest else {
+            return;
+        };
+        (weights, bias, out)
+    };
+    portable(weights, bias, x, out, activate);
+}
+
+/// The same on any machine.
+#[inline(always)]
+fn portable(
+    weights: &[f32],
+    bias: &[f32],
+    x: &[f32],
+    out: &mut [f32],
+    activate: impl Fn(f32) -> f32,
+) {
     let mut rows = Rows {
         rest: weights,
         inputs: x.len(),
@@ -105,5 +133,34 @@ impl<'a> Rows<'a> {
             (*row, self.rest) = self.rest.split_at_checked(self.inputs)?;
         }
         Some(rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::reference;
+
+    #[test]
+    fn what_runs_on_any_machine_has_the_bits_of_the_reference_for_every_small_shape() {
+        for inputs in 1..=20 {
+            for outputs in 1..=20 {
+                let number = |i: usize| {
+                    ((i as u32).wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 23) as f32 - 1.0
+                };
+                let weights: Vec<f32> = (0..inputs * outputs).map(|i| number(7 * i)).collect();
+                let x: Vec<f32> = (0..inputs).map(number).collect();
+                let bias: Vec<f32> = (0..outputs).map(|o| number(3 * o)).collect();
+                let mut out: Vec<f32> = (0..outputs).map(|_| f32::NAN).collect();
+                portable(&weights, &bias, &x, &mut out, |y| y);
+                let rows = weights.chunks(inputs).zip(&bias);
+                let expected = rows.map(|(row, bias)| reference::dense_row(row, *bias, &x));
+                for (o, (out, expected)) in out.iter().zip(expected).enumerate() {
+                    assert_eq!(out.to_bits(), expected.to_bits(), "{inputs} {o}");
+                }
+            }
+        }
     }
 }

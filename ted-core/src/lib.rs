@@ -23,6 +23,8 @@ mod policy;
 mod reward;
 mod scratch;
 mod ted;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use dense::Dense;
 pub use error::{Part, ShapeError};

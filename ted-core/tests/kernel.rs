@@ -101,12 +101,13 @@ proptest! {
                 ]
             };
             let numbers = |count| prop::collection::vec(finite(), count);
-            (Just(inputs), numbers(inputs * 5), numbers(inputs))
+            (Just(inputs), numbers(inputs * 13), numbers(inputs))
         }),
     ) {
-        let bias = [-0.0, 0.0, 1e-40, 1.0, -1e30];
-        let layer = Dense::new(inputs, 5, &weights, &bias).unwrap();
-        let mut out = [f32::NAN; 5];
+        let some = [-0.0, 0.0, 1e-40, 1.0, -1e30];
+        let bias: Vec<f32> = some.into_iter().cycle().take(13).collect();
+        let layer = Dense::new(inputs, 13, &weights, &bias).unwrap();
+        let mut out = [f32::NAN; 13];
         Mlp::new(&[layer], Output::Linear).unwrap().forward(&x, &mut Scratch::new(), &mut out).unwrap();
         prop_assert_eq!(bits(&out), bits(&plain(&[layer], Output::Linear, &x)));
     }
