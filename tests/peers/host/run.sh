@@ -21,7 +21,7 @@ if [ ! -d "$wheel" ]; then
     mkdir -p "$target"
     # Into another folder first: one that is there is whole.
     rm -rf "$wheel.part"
-    "$python" -m pip install --quiet --disable-pip-version-check --no-deps --only-binary :all: --target "$wheel.part" \
+    "$python" -m pip install --quiet --disable-pip-version-check --root-user-action ignore --no-deps --only-binary :all: --target "$wheel.part" \
         "onnxruntime==$onnxruntime" || missing "the Python package onnxruntime $onnxruntime: pip could not install it (see above)"
     mv "$wheel.part" "$wheel"
 fi
