@@ -1,4 +1,4 @@
-//! The integer dense kernel: four output rows at a time, over one of three dot products.
+//! The integer dense kernel: four output rows at a time, over one of four dot products.
 //!
 //! Integer sums have no rounding, so every order of additions gives the same bits, and each kind of machine may have the
 //! order that suits it. Nothing here can panic: rows are cut by iterators, and what is missing ends the loop.
@@ -16,6 +16,8 @@ mod dsp;
 mod scalar;
 #[cfg(target_pointer_width = "64")]
 mod vector;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 #[cfg(all(target_arch = "arm", feature = "cortex-m"))]
 use dsp::Activations;
@@ -24,8 +26,10 @@ use dsp::Activations;
     not(all(target_arch = "arm", feature = "cortex-m"))
 ))]
 use scalar::Activations;
-#[cfg(target_pointer_width = "64")]
+#[cfg(all(target_pointer_width = "64", not(target_arch = "x86_64")))]
 use vector::Activations;
+#[cfg(target_arch = "x86_64")]
+use wide::Activations;
 
 use super::dense::IntegerDense;
 use super::requantise::requantise;
@@ -81,6 +85,8 @@ mod tests {
 
     use proptest::prelude::*;
 
+    #[cfg(target_arch = "x86_64")]
+    use super::wide;
     use super::{ROWS, dot, dsp, scalar, vector};
     use crate::integer::{MAX_ACTIVATION, MAX_WEIGHT};
     use crate::limits::MAX_WIDTH;
@@ -113,6 +119,14 @@ mod tests {
             activations.take(&x);
             activations.add_dot(&rows, &x, &mut by_words);
             prop_assert_eq!(by_words, expected);
+            #[cfg(target_arch = "x86_64")]
+            {
+                let mut by_registers = start;
+                let mut activations = wide::Activations::new();
+                activations.take(&x);
+                activations.add_dot(&rows, &x, &mut by_registers);
+                prop_assert_eq!(by_registers, expected);
+            }
             let mut by_pairs = start;
             let mut activations = dsp::Activations::new();
             activations.take(&x);
