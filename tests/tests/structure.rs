@@ -101,11 +101,11 @@ fn integer_inference_names_no_float_type() {
 }
 
 #[test]
-fn the_core_is_unsafe_in_one_file_only() {
+fn the_core_is_unsafe_in_named_files_only() {
     let root = root().join("ted-core/src");
     let lib = fs::read_to_string(root.join("lib.rs")).unwrap();
     assert!(lib.contains("#![deny(unsafe_code)]"));
-    let allowed: Vec<PathBuf> = files(&["rs"])
+    let mut allowed: Vec<PathBuf> = files(&["rs"])
         .into_iter()
         .filter(|path| path.starts_with(&root))
         .filter(|path| {
@@ -115,7 +115,10 @@ fn the_core_is_unsafe_in_one_file_only() {
                 .any(|level| text.contains(level))
         })
         .collect();
-    assert_eq!(allowed, [root.join("cortex_m/assembly.rs")]);
+    allowed.sort();
+    // `x86/mod.rs` speaks for its folder.
+    let named = ["cortex_m/assembly.rs", "x86/mod.rs"].map(|path| root.join(path));
+    assert_eq!(allowed, named);
 }
 
 #[test]
