@@ -8,7 +8,7 @@
 // branch 3, udiv/sdiv 7, vdiv/vsqrt 14, everything else 1. It is not a hardware cycle count.
 //
 //   cc -O2 -shared -fPIC -o libcost.so cost.c
-//   qemu-system-arm -machine mps2-an386 -nographic -semihosting-config enable=on,target=native (one line)
+//   qemu-system-arm -machine mps2-an386 -nographic -semihosting-config enable=on,target=native
 //       -plugin ./libcost.so -d plugin -kernel image.elf
 #include <stdbool.h>
 #include <stdint.h>
