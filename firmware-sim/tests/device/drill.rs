@@ -47,7 +47,8 @@ fn every_fault_has_the_answer_in_the_table() {
          tick 8 on the host re-arms a latched controller before every tick. `before` is the last action before tick 4, `answer`\n\
          the one of tick 4 or of the tick that latched: moves in x and y, and the gripper. `code` is a fault's, or the device's\n\
          refusal's behind an r. `recovered` counts the ticks from the first re-arming to the first one flown by the policy.\n\
-         `noticed` is the counter of the link that saw it, or the artefact that flies afterwards.\n\n{}",
+         `noticed` is the counter of the link that saw it, or the artefact that flies afterwards. A thread of the host and the\n\
+         emulated cores M4F, M7 and M33 all answer with this table (`tests/qemu/drill.rs`).\n\n{}",
         table(&rows)
     );
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/device_fault_table.txt");

@@ -6,6 +6,7 @@ mod artefacts;
 mod bits;
 mod boards;
 mod command;
+mod drill;
 mod flashing;
 mod flight;
 mod lifetime;
