@@ -9,6 +9,7 @@ chip=thumbv7em-none-eabihf
 target=${CARGO_TARGET_DIR:-../../../target}/peers-device
 mkdir -p "$target"
 macs=76544
+period_macs=614144
 
 missing() {
     echo "device peers: missing $1" >&2
@@ -40,7 +41,7 @@ portable=$(sections)
 {
     echo "$assembly"
     echo "$portable" | sed -n 's/^ours_\([a-z0-9]*\)/ours_\1_portable/p'
-} | awk -v macs="$macs" '
+} | awk -v macs="$macs" -v period_macs="$period_macs" '
     BEGIN {
         title["ours_f32"] = "ted-core f32"
         title["ours_f32_portable"] = "ted-core f32, portable code"
@@ -55,6 +56,8 @@ portable=$(sections)
             "ours_integer ours_integer_portable plain_integer microflow_int8", order, " ")
     }
     { instructions[$1] = $2; cost[$1] = $3 }
+    # A control period of 12.5 ms at 168 MHz.
+    function share(cost) { return 100 * cost / (0.0125 * 168e6) }
     END {
         printf "| kernel | instructions | weighted cost | cost per MAC | to ours |\n|---|---:|---:|---:|---:|\n"
         for (k = 1; k <= count; k++) {
@@ -63,4 +66,8 @@ portable=$(sections)
             ours = k <= 5 ? cost["ours_f32"] : cost["ours_integer"]
             printf "| %s | %d | %d | %.2f | %.2f |\n", title[name], instructions[name], cost[name], cost[name] / macs, cost[name] / ours
         }
+        period = cost["ours_period"]
+        printf "\n| a control period of 12.5 ms at 168 MHz | weighted cost | cost per MAC | share |\n|---|---:|---:|---:|\n"
+        printf "| the policy in integers | %d | %.2f | %.1f %% |\n", cost["ours_integer"], cost["ours_integer"] / macs, share(cost["ours_integer"])
+        printf "| the policy and 7 reward models 43-256-256-1, in integers | %d | %.2f | %.1f %% |\n", period, period / period_macs, share(period)
     }'

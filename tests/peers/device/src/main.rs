@@ -54,6 +54,12 @@ fn main() -> ! {
     int8.iter_mut().for_each(|y| *y = libm::tanhf(*y));
     agree("microflow", &int8, &action, 0.2);
 
+    let reward = ours::period(&layers, &network::members(), &x);
+    assert!(
+        reward > 0 && reward < 1 << 21,
+        "a reward in the middle: {reward}"
+    );
+
     exit(EXIT_SUCCESS);
     loop {}
 }

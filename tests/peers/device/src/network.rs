@@ -8,6 +8,12 @@ use ted_core::integer::{IntegerDense, MAX_WEIGHT};
 /// Widths of the policy network, input first.
 pub const WIDTHS: [usize; 4] = [39, 256, 256, 4];
 
+/// Widths of a member of the reward ensemble: it sees the observation and the action.
+pub const REWARD_WIDTHS: [usize; 4] = [WIDTHS[0] + WIDTHS[3], 256, 256, 1];
+
+/// Members of the reward ensemble.
+pub const MEMBERS: u32 = 7;
+
 /// Fraction bits of every activation: they reach 16.
 pub const FRACTION_BITS: u8 = 11;
 
@@ -29,10 +35,21 @@ pub struct Layer {
     pub shifts: Vec<i8>,
 }
 
-/// The layers, first to last.
+/// The policy's layers, first to last.
 pub fn layers() -> Vec<Layer> {
-    let mut numbers = Numbers::new(1);
-    WIDTHS
+    network(WIDTHS, 1)
+}
+
+/// The layers of each member of the reward ensemble.
+pub fn members() -> Vec<Vec<Layer>> {
+    (0..MEMBERS)
+        .map(|member| network(REWARD_WIDTHS, 100 + member))
+        .collect()
+}
+
+fn network(widths: [usize; 4], seed: u32) -> Vec<Layer> {
+    let mut numbers = Numbers::new(seed);
+    widths
         .windows(2)
         .map(|pair| Layer::random(pair[0], pair[1], &mut numbers))
         .collect()

@@ -30,6 +30,7 @@ sections! {
     rest section_rest,
     ours_f32 section_ours_f32,
     ours_integer section_ours_integer,
+    ours_period section_ours_period,
     plain_f32 section_plain_f32,
     plain_integer section_plain_integer,
     nalgebra_f32 section_nalgebra_f32,
