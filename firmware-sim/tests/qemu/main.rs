@@ -5,6 +5,7 @@
 mod artefacts;
 mod bits;
 mod boards;
+mod budget;
 mod command;
 mod drill;
 mod flashing;
