@@ -101,4 +101,5 @@ step "the controller without std" without_std
 step "no panic and no allocation in the device crates" tests/device-probe/check.sh
 step "lints" cargo clippy --locked --release --workspace --all-targets -- -D warnings
 step "documentation" documented
+step "the firmware images: no panic, no allocation, sizes" firmware-sim/firmware/check.sh
 step "tests" cargo test --locked --release --workspace

@@ -87,7 +87,7 @@ fn a_killed_collection_goes_on_to_the_bytes_of_one_that_was_left_alone() {
 }
 
 #[test]
-fn the_trainer_s_evaluation_and_firmware_sim_fly_agree_to_the_bit() {
+fn the_trainer_s_evaluation_firmware_sim_fly_and_a_cortex_m_agree_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     // Enough episodes for the ranges of the contract, or no policy would fly a tick and any would return the same.
@@ -123,15 +123,17 @@ fn the_trainer_s_evaluation_and_firmware_sim_fly_agree_to_the_bit() {
     let evaluated: Value = serde_json::from_str(&said(&mut eval, &[0])).unwrap();
     assert_eq!(evaluated, trained);
 
-    let mut fly = command("firmware-sim");
-    fly.current_dir(root)
-        .args(["fly", "run/policy.ted", "--episodes", "2", "--seed", "5"]);
-    let flown: Value = serde_json::from_str(&said(fly.arg("--json"), &[0])).unwrap();
+    let fly = |episodes: &str, more: &[&str]| -> Value {
+        let mut fly = command("firmware-sim");
+        fly.current_dir(root)
+            .args(["fly", "run/policy.ted", "--seed", "5", "--json"])
+            .args(["--episodes", episodes])
+            .args(more);
+        serde_json::from_str(&said(&mut fly, &[0])).unwrap()
+    };
+    let flown = fly("2", &[]);
     assert_eq!(flown["faulted"], 0);
-    let returns: Vec<&Value> = flown["episodes"]
-        .as_array()
-        .unwrap()
-        .iter()
+    let returns: Vec<&Value> = (flown["episodes"].as_array().unwrap().iter())
         .map(|e| &e["return"])
         .collect();
     let expected: Vec<&Value> = evaluated["returns"].as_array().unwrap().iter().collect();
@@ -143,4 +145,13 @@ fn the_trainer_s_evaluation_and_firmware_sim_fly_agree_to_the_bit() {
     let held: Value =
         serde_json::from_slice(&fs::read(root.join("run/evaluation.json")).unwrap()).unwrap();
     assert_eq!(held, evaluated);
+
+    // Whole episodes on an emulated Cortex-M4F are the host's, in both numbers.
+    let in_integers = fly("1", &["--numeric", "integer"]);
+    assert_ne!(in_integers["episodes"][0], flown["episodes"][0]);
+    let board = ["--on", "mps2-an386"];
+    for (numbers, host) in [("f32", &flown), ("integer", &in_integers)] {
+        let on_board = fly("1", &[&board[..], &["--numeric", numbers]].concat());
+        assert_eq!(on_board["episodes"][0], host["episodes"][0], "{numbers}");
+    }
 }
