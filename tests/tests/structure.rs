@@ -122,6 +122,13 @@ fn the_core_is_unsafe_in_named_files_only() {
 }
 
 #[test]
+fn the_document_on_devices_shows_the_table_of_faults() {
+    let read = |path: &str| fs::read_to_string(root().join(path)).unwrap();
+    let table = read("firmware-sim/tests/device_fault_table.txt");
+    assert!(read("docs/device.md").contains(table.trim_end()));
+}
+
+#[test]
 fn every_source_file_says_first_what_it_is() {
     for path in files(&["rs"]) {
         let text = fs::read_to_string(&path).unwrap();
