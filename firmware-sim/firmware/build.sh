@@ -2,7 +2,7 @@
 # Builds the firmware images: firmware-sim/firmware/build.sh [board...], all boards if none is named. Each becomes
 # target/firmware/BOARD.elf, with the compiler that made it in BOARD.txt: the code may differ from compiler to compiler.
 #
-# The paths of the images go to standard output, one a line.
+# With --which it builds nothing and says which compiler it would take. The paths of the images go to standard output, one a line.
 #
 # Two toolchains do. rustup's, with the target of the board; or, on Debian, rustc-web, cargo-web and rust-web-src with the
 # linker of binutils-arm-none-eabi, which compile Rust's core library along. TED_FIRMWARE_TOOLCHAIN=rustup or =debian
@@ -10,6 +10,11 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
+which=
+if [ "${1:-}" = --which ]; then
+    which=yes
+    shift
+fi
 boards=("$@")
 if [ ${#boards[@]} -eq 0 ]; then
     boards=(mps2-an386 mps2-an500 mps2-an505)
@@ -43,7 +48,9 @@ processor_of() {
 
 has_rustup_target() {
     command -v rustup >/dev/null || return 1
-    rustup target list --installed 2>/dev/null | grep -qx "$1" || rustup target add "$1" >/dev/null 2>&1
+    rustup target list --installed 2>/dev/null | grep -qx "$1" && return
+    # Asking changes nothing.
+    [ -z "$which" ] && rustup target add "$1" >/dev/null 2>&1
 }
 
 debian_lacks() {
@@ -90,6 +97,15 @@ build() {
     printf 'firmware build: %s by %s\n' "$board" "$(cat "$images/$board.txt")" >&2
     echo "$images/$board.elf"
 }
+
+if [ -n "$which" ]; then
+    for board in "${boards[@]}"; do
+        target=$(target_of "$board")
+        toolchain=$(toolchain_for "$target")
+        printf '%s by %s\n' "$board" "$toolchain"
+    done
+    exit
+fi
 
 # Boards of one target share a folder in which each image has the same name, so two builds at once take turns.
 exec 9>"$out/lock"

@@ -9,7 +9,7 @@ use super::{Board, QemuError};
 /// Names a folder with images, `BOARD.elf`, if they are not to be built.
 pub const FIRMWARE_VARIABLE: &str = "TED_FIRMWARE";
 
-const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/firmware/build.sh");
+pub(super) const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/firmware/build.sh");
 
 /// The image of a board.
 #[derive(Clone, Debug)]

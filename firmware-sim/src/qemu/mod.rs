@@ -4,6 +4,7 @@
 //! a [`Fleet`] does all three and greets the board.
 
 mod board;
+mod checks;
 mod device;
 mod emulator;
 mod error;
@@ -11,6 +12,7 @@ mod firmware;
 mod fleet;
 
 pub use board::{Board, INSTRUCTIONS_PER_SECOND, Link, instructions};
+pub use checks::{BoardCheck, diagnose};
 pub use device::Device;
 pub use emulator::{EMULATOR_VARIABLE, Emulator};
 pub use error::QemuError;

@@ -17,7 +17,8 @@ Examples:
 
 Nothing is installed or changed. Exit code 4 when something is missing; what to do stands beside it.";
 
-/// Check processor, memory, disk, burn backends and the Python side, and say what to do about each problem
+/// Check processor, memory, disk, burn backends, the Python side and what emulated boards need, and say what to do about each
+/// problem
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct DoctorArgs {

@@ -8,6 +8,7 @@ pub use machine::processor;
 use std::path::Path;
 
 use firmware_sim::bridge::environment;
+use firmware_sim::qemu;
 use serde::Serialize;
 
 /// One thing that was looked at.
@@ -48,7 +49,7 @@ impl Diagnosis {
     }
 }
 
-/// Looks at the processor, memory, disk, the trainer's backends and the Python side.
+/// Looks at the processor, memory, disk, the trainer's backends, the Python side, and what emulated boards need.
 #[must_use]
 pub fn diagnose(datasets_root: &Path) -> Diagnosis {
     let mut checks = vec![
@@ -61,5 +62,7 @@ pub fn diagnose(datasets_root: &Path) -> Diagnosis {
     ];
     let bridge = environment::diagnose().into_iter();
     checks.extend(bridge.map(|check| Check::new(check.name, check.outcome)));
+    let boards = qemu::diagnose().into_iter();
+    checks.extend(boards.map(|check| Check::new(check.name, check.outcome)));
     Diagnosis { checks }
 }
