@@ -126,9 +126,11 @@ fn the_doctor_says_what_is_missing_and_what_to_do() {
         .filter(|check| check["good"] != true)
         .filter_map(|check| check["found"].as_str())
         .collect();
-    assert!(
-        problems.iter().any(|found| found.contains("python3")),
-        "{report}"
-    );
+    for missing in ["python3", "qemu-system-arm"] {
+        assert!(
+            problems.iter().any(|found| found.contains(missing)),
+            "{missing}: {report}"
+        );
+    }
     assert!(!cache.exists(), "asking changes nothing");
 }
