@@ -1,7 +1,7 @@
 //! Flying an episode: ticks in, actions out, and the safe action when no tick comes.
 
 use embedded_io::{Read, ReadReady, Write};
-use ted_core::{DiscountClass, MAX_OBSERVATION, NEW_EPISODE};
+use ted_core::{DiscountClass, MAX_ACTION, MAX_OBSERVATION, NEW_EPISODE};
 use ted_policy::Artifact;
 
 use super::line::{Event, Line};
@@ -141,6 +141,7 @@ impl Flyer<'_, '_> {
                         });
                         self.tick(line, board, &mut workspace);
                     }
+                    Request::Log { .. } => self.log(line, board, &mut workspace),
                     Request::Rearm => {
                         heard = None;
                         self.controller.rearm();
@@ -162,6 +163,8 @@ impl Flyer<'_, '_> {
         }
     }
 
+    // Apart, like the function below: what each has on the stack is not there while the other runs.
+    #[inline(never)]
     fn tick<L, B>(&mut self, line: &mut Line<L>, board: &mut B, workspace: &mut Workspace)
     where
         L: Read + ReadReady + Write,
@@ -188,22 +191,71 @@ impl Flyer<'_, '_> {
         let before = board.work();
         let (action, status) = self.controller.tick(now_us, &frame, workspace);
         let after = board.work();
-        let score = self.scorer.as_mut().map(|scorer| {
-            // An observation that cannot be flown on says nothing about the episode; without a fault the lengths fit.
-            if status.fault.is_none() {
-                scorer.push(values, &action, workspace).ok();
-            }
-            Score {
-                return_hat: scorer.return_hat(),
-                top_k: scorer.class(NEW_EPISODE) == DiscountClass::TopK,
-                work: board.work().wrapping_sub(after),
-            }
-        });
+        // An observation that cannot be flown on says nothing about the episode; without a fault the lengths fit.
+        let step = match status.fault {
+            None => Some((values, action.as_slice())),
+            Some(_) => None,
+        };
+        let score = self.score(step, NEW_EPISODE, board, workspace).ok();
         line.reply(&Reply::Acted(Acted {
             action,
             status,
             work: after.wrapping_sub(before),
             score,
         }));
+    }
+
+    /// Scores a step that nobody flies now.
+    #[inline(never)]
+    fn log<L, B>(&mut self, line: &mut Line<L>, board: &mut B, workspace: &mut Workspace)
+    where
+        L: Read + ReadReady + Write,
+        B: Board,
+    {
+        let Request::Log {
+            episode,
+            observation,
+            action,
+        } = line.request()
+        else {
+            return;
+        };
+        let mut seen = [0.0; MAX_OBSERVATION];
+        let mut sent = [0.0; MAX_ACTION];
+        let step = observation
+            .copy_to(&mut seen)
+            .zip(action.copy_to(&mut sent));
+        let scored = match step {
+            Some(_) => self.score(step, episode, board, workspace),
+            None => Err(Refusal::Malformed),
+        };
+        line.reply(&match scored {
+            Ok(score) => Reply::Scored(score),
+            Err(refusal) => Reply::Refused(refusal),
+        });
+    }
+
+    /// Adds a step, what was seen and what went out, to the episode's return.
+    // Once in the image: two callers would otherwise each have it, and the networks with it.
+    #[inline(never)]
+    fn score<B: Board>(
+        &mut self,
+        step: Option<(&[f32], &[f32])>,
+        episode: u32,
+        board: &mut B,
+        workspace: &mut Workspace,
+    ) -> Result<Score, Refusal> {
+        let before = board.work();
+        let scorer = self.scorer.as_mut().ok_or(Refusal::CannotScore)?;
+        if let Some((observation, action)) = step {
+            scorer
+                .push(observation, action, workspace)
+                .map_err(|_| Refusal::OtherShape)?;
+        }
+        Ok(Score {
+            return_hat: scorer.return_hat(),
+            top_k: scorer.class(episode) == DiscountClass::TopK,
+            work: board.work().wrapping_sub(before),
+        })
     }
 }

@@ -13,7 +13,7 @@ use crate::controller::{Numeric, Status};
 use crate::safety::Action;
 
 /// The version of the protocol this program speaks.
-pub const PROTOCOL_VERSION: u16 = 1;
+pub const PROTOCOL_VERSION: u16 = 2;
 
 /// What a host asks. A request that no reply is heard of is sent again, with the same number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +54,16 @@ pub enum Request<'a> {
     FlashCommit,
     /// Answered with [`Reply::Health`].
     Health,
+    /// One step of an episode that was flown some time ago, to be scored and not to be flown; answered with
+    /// [`Reply::Scored`]. [`Self::Start`] begins such an episode too.
+    Log {
+        /// Its place in the dataset, which decides between equal returns: [`ted_core::NEW_EPISODE`] if it is not in it.
+        episode: u32,
+        /// What was seen.
+        observation: Floats<'a>,
+        /// What went out.
+        action: Floats<'a>,
+    },
 }
 
 /// How an episode is flown.
@@ -125,6 +135,8 @@ pub enum Reply<'a> {
     /// Nobody asked: no tick came in time, so the safe action goes out. Sent once for each silence, with the number of the
     /// last request.
     Silent(Acted),
+    /// What the device thinks of a logged episode up to this step.
+    Scored(Score),
 }
 
 /// Who is there.
@@ -168,7 +180,7 @@ pub struct Score {
     pub return_hat: f32,
     /// Whether the episode would belong to the top k % if it ended now.
     pub top_k: bool,
-    /// What the scoring of this tick cost, in ticks of the board's counter.
+    /// What the scoring of this step cost, in ticks of the board's counter.
     pub work: u32,
 }
 
@@ -223,6 +235,10 @@ pub enum Refusal {
     },
     /// The artefact has other channels, units or another control period than the one that flies.
     OtherContract,
+    /// The artefact has no reward ensemble in these numbers, or no border of TED's.
+    CannotScore,
+    /// A logged step has more or fewer values than the contract.
+    OtherShape,
 }
 
 impl Refusal {
@@ -241,6 +257,8 @@ impl Refusal {
             Self::Defect { .. } => 9,
             Self::Golden { .. } => 10,
             Self::OtherContract => 11,
+            Self::CannotScore => 12,
+            Self::OtherShape => 13,
         }
     }
 }

@@ -104,10 +104,12 @@ where
         Request::FlashData { .. } | Request::FlashCommit | Request::FlashBegin(_) => {
             Reply::Refused(Refusal::NotAnnounced)
         }
-        Request::Tick { .. } | Request::Rearm | Request::Start(_) => match active {
-            Some(_) => Reply::Refused(Refusal::NotStarted),
-            None => Reply::Refused(Refusal::NoPolicy),
-        },
+        Request::Tick { .. } | Request::Log { .. } | Request::Rearm | Request::Start(_) => {
+            match active {
+                Some(_) => Reply::Refused(Refusal::NotStarted),
+                None => Reply::Refused(Refusal::NoPolicy),
+            }
+        }
     };
     line.reply(&reply);
 }

@@ -80,7 +80,9 @@ impl RemoteError {
                 | Refusal::TooLarge { .. }
                 | Refusal::Checksum { .. }
                 | Refusal::Defect { .. }
-                | Refusal::OtherContract => ExitCode::BadInput,
+                | Refusal::OtherContract
+                | Refusal::CannotScore
+                | Refusal::OtherShape => ExitCode::BadInput,
                 Refusal::Malformed
                 | Refusal::NotStarted
                 | Refusal::NotAnnounced

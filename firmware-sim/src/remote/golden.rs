@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use ted_core::NEW_EPISODE;
+
 use crate::controller::{Numeric, Status};
 use crate::device::Counters;
 use crate::device::frame::{self, MAX_FRAME};
@@ -63,7 +65,7 @@ fn requests() -> Vec<(&'static str, u16, Request<'static>)> {
             "hello",
             1,
             Request::Hello {
-                protocol: 1,
+                protocol: 2,
                 session: 7,
             },
         ),
@@ -105,6 +107,15 @@ fn requests() -> Vec<(&'static str, u16, Request<'static>)> {
         ),
         ("flash-commit", 7, Request::FlashCommit),
         ("health", 8, Request::Health),
+        (
+            "log",
+            10,
+            Request::Log {
+                episode: NEW_EPISODE,
+                observation: values,
+                action: values,
+            },
+        ),
     ]
 }
 
@@ -134,7 +145,7 @@ fn replies() -> Vec<(&'static str, u16, Reply<'static>)> {
             "hello-reply",
             1,
             Reply::Hello(Hello {
-                protocol: 1,
+                protocol: 2,
                 board: "mps2-an386",
                 firmware: "0.1.0",
                 active: Some(1),
@@ -194,6 +205,15 @@ fn replies() -> Vec<(&'static str, u16, Reply<'static>)> {
                 work: 0,
                 score: None,
                 ..acted
+            }),
+        ),
+        (
+            "scored",
+            10,
+            Reply::Scored(Score {
+                return_hat: 61.5,
+                top_k: true,
+                work: 1_300_000,
             }),
         ),
     ]
@@ -271,6 +291,8 @@ fn codes_are_the_numbers_on_the_wire_plus_one() {
         Refusal::Defect { code: 0 },
         Refusal::Golden { case: 0 },
         Refusal::OtherContract,
+        Refusal::CannotScore,
+        Refusal::OtherShape,
     ];
     for refusal in refusals {
         let wire = postcard::to_allocvec(&refusal).expect("it fits");

@@ -31,6 +31,13 @@ impl fmt::Display for Refusal {
                 "its channels, units or control period are not those of the policy that flies: accept that if the wiring \
                  was changed",
             ),
+            Self::CannotScore => f.write_str(
+                "its artefact has no reward ensemble in these numbers, or no border of TED's: export a run with a learned \
+                 reward and TED's discount",
+            ),
+            Self::OtherShape => {
+                f.write_str("an observation or an action has another length than the contract says")
+            }
         }
     }
 }
