@@ -7,6 +7,7 @@ use crate::plant::PlantError;
 use crate::progress::tell;
 use crate::remote::RemoteError;
 use crate::rollout::{EpisodeError, FlyError};
+use crate::scoring::ScoreError;
 
 /// What went wrong, and what kind of thing that is.
 #[derive(Debug)]
@@ -45,6 +46,12 @@ impl From<PlantError> for Failure {
 
 impl From<EpisodeError> for Failure {
     fn from(error: EpisodeError) -> Self {
+        Self::new(error.exit_code(), error)
+    }
+}
+
+impl From<ScoreError> for Failure {
+    fn from(error: ScoreError) -> Self {
         Self::new(error.exit_code(), error)
     }
 }

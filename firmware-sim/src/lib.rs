@@ -39,6 +39,8 @@ pub mod rollout;
 pub mod safety;
 pub mod scorer;
 #[cfg(feature = "std")]
+pub mod scoring;
+#[cfg(feature = "std")]
 mod splitmix;
 #[cfg(feature = "std")]
 pub mod tasks;

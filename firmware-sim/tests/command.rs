@@ -250,7 +250,7 @@ fn a_command_line_that_makes_no_sense_ends_with_the_code_for_usage() {
 #[test]
 fn help_shows_an_example() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["fly", "toy"] {
+    for command in ["fly", "score", "toy"] {
         let (said, _) = run(folder.path(), 0, &[command, "--help"]);
         assert!(
             said.contains("Example") && said.contains("firmware-sim fly"),

@@ -137,12 +137,7 @@ impl Crew<'_> {
         let seeds = episode_seeds(self.args.seed, self.args.episodes as usize);
         let mut episodes = shelf.take();
         episodes.sort_by_key(|episode| seeds.iter().position(|&seed| seed == episode.seed));
-        let contract = self.artifact.contract();
-        let shape = RecordingShape {
-            observation_dim: contract.observation.len(),
-            action_dim: contract.action.len(),
-            control_period_us: contract.control_period_us,
-        };
+        let shape = RecordingShape::of(&self.artifact.contract());
         Recordings { shape, episodes }
             .write(path)
             .map_err(|error| Failure::new(error.exit_code(), error))
@@ -207,7 +202,8 @@ impl Crew<'_> {
     }
 
     fn pilot(&self, fleet: &Fleet) -> Result<RemoteController<Device>, RemoteError> {
-        seat::pilot(fleet, self.artifact, self.bytes, self.args.seat.start())
+        let connection = seat::connect(fleet, self.artifact, self.bytes)?;
+        Ok(RemoteController::new(connection, self.args.seat.start()))
     }
 
     fn report(&self, flight: &Flight) -> Report {

@@ -1,10 +1,11 @@
-//! The `firmware-sim` command line: flying an artefact and saying how it went.
+//! The `firmware-sim` command line: flying an artefact, saying how it went, and which flights are worth keeping.
 
 mod device_report;
 mod flash;
 mod flights;
 mod fly;
 mod report;
+mod score;
 mod seat;
 mod toy;
 
@@ -30,6 +31,7 @@ struct Cli {
 enum Command {
     Fly(fly::FlyArgs),
     Flash(flash::FlashArgs),
+    Score(score::ScoreArgs),
     Toy(toy::ToyArgs),
 }
 
@@ -39,6 +41,7 @@ pub fn run() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Fly(args) => fly::run(&args),
         Command::Flash(args) => flash::run(&args),
+        Command::Score(args) => score::run(&args),
         Command::Toy(args) => toy::run(&args),
     };
     done.unwrap_or_else(|failure| failure.tell())

@@ -11,13 +11,13 @@ use crate::device::slots::SlotReport;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::qemu::{Board, Device, Fleet, Link};
-use crate::remote::{Connection, RemoteController, RemoteError, flash};
+use crate::remote::{Connection, RemoteError, flash};
 
 /// The options that say where the controller is.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Where the controller is")]
 pub struct SeatArgs {
-    /// This machine, or a board that QEMU emulates: it is started, given the artefact, and flown over its link
+    /// This machine, or a board that QEMU emulates: it is started and given the artefact over its link
     #[arg(long, value_enum, default_value_t = On::Host)]
     pub on: On,
     /// The link to the board
@@ -85,18 +85,17 @@ impl SeatArgs {
     }
 }
 
-/// A board of this fleet that flies this artefact, which it is sent if it holds another one.
-pub fn pilot(
+/// A link to a board of this fleet that flies this artefact, which it is sent if it holds another one.
+pub fn connect(
     fleet: &Fleet,
     artifact: &Artifact<'_>,
     bytes: &[u8],
-    start: Start,
-) -> Result<RemoteController<Device>, RemoteError> {
+) -> Result<Connection<Device>, RemoteError> {
     let mut connection = fleet.connect()?;
     if active_checksum(&connection) != Some(artifact.checksum()) {
         flash(&mut connection, bytes, false, |_| ())?;
     }
-    Ok(RemoteController::new(connection, start))
+    Ok(connection)
 }
 
 /// The checksum of the artefact that flies on a device, if one does.

@@ -5,6 +5,7 @@ use std::io::{self, BufReader};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use ted_policy::Contract;
 use thiserror::Error;
 
 use crate::disk::{self, WriteError};
@@ -39,7 +40,7 @@ pub struct RecordingShape {
 
 /// The arrays of a recording do not fit together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("replay episode {seed}: its {array} hold {actual} values, {expected} are needed")]
+#[error("read episode {seed}: its {array} hold {actual} values, {expected} are needed")]
 pub struct RecordingError {
     /// The episode.
     pub seed: u64,
@@ -62,7 +63,7 @@ pub struct Recordings {
 }
 
 impl Recordings {
-    /// Reads a recording file. Its arrays are checked by [`super::replay::ReplayPlant::new`].
+    /// Reads a recording file. Whoever uses its arrays checks them first, with [`Recording::check`].
     ///
     /// # Errors
     /// When the file cannot be read or is no recording.
@@ -86,7 +87,31 @@ impl Recordings {
     }
 }
 
+impl RecordingShape {
+    /// The shape of what is recorded from a robot with this contract.
+    #[must_use]
+    pub fn of(contract: &Contract<'_>) -> Self {
+        Self {
+            observation_dim: contract.observation.len(),
+            action_dim: contract.action.len(),
+            control_period_us: contract.control_period_us,
+        }
+    }
+}
+
 impl Recording {
+    /// What was seen before this step; empty behind the end.
+    #[must_use]
+    pub fn observation(&self, shape: RecordingShape, step: usize) -> &[f32] {
+        row(&self.observations, step, shape.observation_dim)
+    }
+
+    /// What was sent at this step; empty behind the end.
+    #[must_use]
+    pub fn action(&self, shape: RecordingShape, step: usize) -> &[f32] {
+        row(&self.actions, step, shape.action_dim)
+    }
+
     fn is_finite(&self) -> bool {
         let mut values = self.observations.iter().chain(&self.actions);
         values.all(|value| value.is_finite()) && self.rewards.iter().all(|value| value.is_finite())
@@ -125,6 +150,12 @@ impl Recording {
             None => Ok(()),
         }
     }
+}
+
+fn row(array: &[f32], index: usize, dim: usize) -> &[f32] {
+    array
+        .get(index * dim..(index + 1) * dim)
+        .unwrap_or_default()
 }
 
 #[cfg(test)]

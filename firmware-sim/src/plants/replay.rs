@@ -116,11 +116,10 @@ impl Plant for ReplayPlant {
 
     fn observe(&mut self) -> Result<Observed, PlantError> {
         let (recording, step) = self.episode()?;
-        let row = row(&recording.observations, step, self.shape.observation_dim);
         Ok(Observed {
             sequence: step as u32,
             stamp_us: self.now_us(),
-            values: row.ok_or(PlantError::NoEpisode)?.to_vec(),
+            values: recording.observation(self.shape, step).to_vec(),
         })
     }
 
@@ -139,7 +138,7 @@ impl Plant for ReplayPlant {
             return Err(PlantError::NoEpisode);
         };
         let done = step + 1 == recording.rewards.len();
-        let recorded = row(&recording.actions, step, expected).unwrap_or_default();
+        let recorded = recording.action(self.shape, step);
         let worst = farthest(recording.seed, step, action_env, recorded);
         if self
             .largest
@@ -154,10 +153,6 @@ impl Plant for ReplayPlant {
             done,
         })
     }
-}
-
-fn row(array: &[f32], index: usize, dim: usize) -> Option<&[f32]> {
-    array.get(index * dim..(index + 1) * dim)
 }
 
 fn farthest(seed: u64, step: usize, sent: &[f32], recorded: &[f32]) -> Option<Difference> {

@@ -11,8 +11,10 @@ mod flash;
 #[cfg(test)]
 mod golden;
 mod refusal;
+mod scorer;
 
 pub use connection::{Connection, DeviceHello, LinkErrors, LinkOptions};
 pub use controller::RemoteController;
 pub use error::RemoteError;
 pub use flash::{Flashed, Progress, flash};
+pub use scorer::RemoteScorer;

@@ -4,5 +4,6 @@ mod artefacts;
 mod drill;
 mod flight;
 mod link;
+mod scoring;
 mod silence;
 mod slots;

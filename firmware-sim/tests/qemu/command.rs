@@ -64,6 +64,34 @@ fn a_flight_on_a_board_says_what_the_host_s_says_and_what_it_took() {
 }
 
 #[test]
+fn logged_episodes_are_scored_on_every_board_as_on_the_host() {
+    let folder = folder_with_toy();
+    let record = [&FLY[..6], &["--record", "flight.json"]].concat();
+    let (code, words) = firmware_sim(folder.path(), &[], &record);
+    assert_eq!(code, 0, "{words}");
+    let score = |on: &str, numeric: &str| -> Value {
+        let args = ["score", "toy.ted", "--recording", "flight.json", "--json"];
+        let seat = ["--on", on, "--numeric", numeric];
+        let (code, text) = firmware_sim(folder.path(), &[], &[&args[..], &seat].concat());
+        assert_eq!(code, 0, "{text}");
+        serde_json::from_str(&text).unwrap()
+    };
+    for numeric in ["f32", "integer"] {
+        let host = score("host", numeric);
+        assert_eq!(host["episodes"].as_array().unwrap().len(), 2);
+        for board in ["mps2-an386", "mps2-an500", "mps2-an505"] {
+            let scored = score(board, numeric);
+            // JSON holds the shortest decimal of each number, so these are the bits.
+            assert_eq!(scored["episodes"], host["episodes"], "{board}");
+            assert_eq!(
+                (&scored["upload"], &scored["on"]),
+                (&host["upload"], &board.into())
+            );
+        }
+    }
+}
+
+#[test]
 fn a_board_keeps_its_flash_in_a_file_and_takes_another_contract_only_when_told_to() {
     let folder = folder_with_toy();
     let flash = |policy: &str, more: &[&str]| {
