@@ -123,15 +123,7 @@ impl Flyer<'_, '_> {
                 (Event::Silence, Some(Heard { number, .. })) => {
                     let number = *number;
                     heard = None;
-                    let (action, status) =
-                        self.controller.tick_without_observation(start.silence_us);
-                    let silent = Acted {
-                        action,
-                        status,
-                        work: 0,
-                        score: None,
-                    };
-                    line.tell(number, &Reply::Silent(silent));
+                    self.stop_in_silence(line, number, start.silence_us);
                 }
                 (Event::Request, _) => match line.request() {
                     Request::Tick { .. } => {
@@ -163,7 +155,22 @@ impl Flyer<'_, '_> {
         }
     }
 
-    // Apart, like the function below: what each has on the stack is not there while the other runs.
+    // Apart, like the functions below: what one has on the stack is not there while another runs.
+    #[inline(never)]
+    fn stop_in_silence<L>(&mut self, line: &mut Line<L>, number: u16, silence_us: u32)
+    where
+        L: Read + ReadReady + Write,
+    {
+        let (action, status) = self.controller.tick_without_observation(silence_us);
+        let silent = Acted {
+            action,
+            status,
+            work: 0,
+            score: None,
+        };
+        line.tell(number, &Reply::Silent(silent));
+    }
+
     #[inline(never)]
     fn tick<L, B>(&mut self, line: &mut Line<L>, board: &mut B, workspace: &mut Workspace)
     where

@@ -1,14 +1,17 @@
 //! Every core computes the host's bits, in both numbers: actions, predicted returns and TED's class.
 
 use firmware_sim::controller::{Controller, Numeric};
-use firmware_sim::qemu::{Board, Link};
+use firmware_sim::device::message::Start;
+use firmware_sim::qemu::{Board, Device, Link};
+use firmware_sim::remote::{Connection, RemoteController, RemoteScorer};
 use firmware_sim::rollout::Pilot;
 use firmware_sim::safety::ObservationFrame;
 use firmware_sim::scorer::EpisodeScorer;
+use firmware_sim::scoring::{Judge, Verdict};
 use ted_core::{DiscountClass, NEW_EPISODE};
 use ted_policy::{Artifact, ArtifactBytes};
 
-use super::artefacts::{self, Numbers, OBSERVATION};
+use super::artefacts::{self, ACTION, Numbers, OBSERVATION};
 use super::boards;
 
 const TICKS: u32 = 12;
@@ -51,12 +54,40 @@ fn flies_the_host_s_bits(board: Board, numeric: Numeric) {
         assert_eq!(score.top_k, top_k);
     }
     assert!(moved, "the actions say something");
-    let health = pilot.health().unwrap();
+    let connection = scores_logs_as_the_host(pilot, scorer, numeric);
+    let health = boards::pilot(connection, numeric).health().unwrap();
     assert!(
         health.stack_high_water <= STACK_BUDGET,
         "{board} used {} bytes of stack, {STACK_BUDGET} are allowed",
         health.stack_high_water
     );
+}
+
+/// The same networks, now with actions that this policy would not have taken.
+fn scores_logs_as_the_host(
+    pilot: RemoteController<Device>,
+    mut here: EpisodeScorer<'_>,
+    numeric: Numeric,
+) -> Connection<Device> {
+    let start = Start {
+        numeric,
+        silence_us: 0,
+    };
+    let mut there = RemoteScorer::new(pilot.into_connection(), start);
+    here.reset();
+    there.reset().unwrap();
+    let mut numbers = Numbers::new(8);
+    for _ in 0..TICKS {
+        let observation: [f32; OBSERVATION] = std::array::from_fn(|_| numbers.unit());
+        let action: [f32; ACTION] = std::array::from_fn(|_| numbers.unit());
+        let [here, there]: [Verdict; 2] = [
+            Judge::push(&mut here, &observation, &action, NEW_EPISODE).unwrap(),
+            there.push(&observation, &action, NEW_EPISODE).unwrap(),
+        ];
+        assert_eq!(there.return_hat.to_bits(), here.return_hat.to_bits());
+        assert_eq!(there.class, here.class);
+    }
+    there.into_connection()
 }
 
 #[test]
