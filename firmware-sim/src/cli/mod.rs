@@ -17,7 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   firmware-sim toy toy.ted && firmware-sim fly toy.ted --plant toy
   firmware-sim fly policy.ted --task drawer-open-v3 --episodes 50
-  firmware-sim fly policy.ted --task drawer-open-v3 --on mps2-an386 --numeric integer";
+  firmware-sim fly policy.ted --task drawer-open-v3 --on mps2-an386 --numeric integer
+  firmware-sim score policy.ted --recording flight.json";
 
 /// Fly policies behind the controller that also runs on the device.
 #[derive(Debug, Parser)]
