@@ -1,7 +1,8 @@
 //! The logs as a plant: what the controller would have done at every recorded observation.
 //!
 //! Nothing is simulated and nothing moves, so this is the last look before a policy drives a robot: would a range check stop
-//! it on observations that the robot did see, and how far are its actions from the recorded ones?
+//! it on observations that the robot did see, how far are its actions from the recorded ones, and which of the episodes would
+//! it call worth keeping?
 
 use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::interrupt;
@@ -9,7 +10,10 @@ use firmware_sim::plants::recording::{Recording, RecordingShape};
 use firmware_sim::plants::replay::{Difference, ReplayError, ReplayPlant};
 use firmware_sim::progress::Audience;
 use firmware_sim::rollout::{FlyError, fly_episode};
+use firmware_sim::scorer::EpisodeScorer;
+use firmware_sim::scoring::{ScoreError, score_recording};
 use serde::Serialize;
+use ted_core::{DiscountClass, NEW_EPISODE};
 use ted_policy::Artifact;
 
 use crate::dataset::{Dataset, Episode};
@@ -32,6 +36,8 @@ pub struct Replayed {
     pub faults: Vec<EpisodeFault>,
     /// Where an action was farthest from the recorded one; `seed` is the episode's place in the dataset.
     pub largest_difference: Option<Difference>,
+    /// Episodes in the top k % as the controller's scorer tells them; none if the artefact cannot score in these numbers.
+    pub in_top_k: Option<usize>,
 }
 
 /// Why a dataset could not be shown to a policy.
@@ -42,9 +48,11 @@ pub enum ReplayDatasetError {
     Replay(#[from] ReplayError),
     /// The controller or the plant refused, or somebody asked to stop.
     Fly(#[from] FlyError),
+    /// The scorer refused.
+    Score(#[from] ScoreError),
 }
 
-/// Shows every observation of the dataset to the controller, on a clock that is never late.
+/// Shows every observation of the dataset to the controller, on a clock that is never late, and every step to its scorer.
 ///
 /// # Errors
 /// When this machine does not compute the artefact's golden vectors, the shapes differ, or a stop is asked for.
@@ -55,6 +63,7 @@ pub fn replay(
     audience: Audience,
 ) -> Result<Replayed, ReplayDatasetError> {
     let mut controller = Controller::load(artifact, numeric).map_err(FlyError::Load)?;
+    let mut scorer = EpisodeScorer::load(artifact, numeric);
     let shape = RecordingShape {
         observation_dim: dataset.observation_dim(),
         action_dim: dataset.action_dim(),
@@ -68,6 +77,7 @@ pub fn replay(
         slew_limited_ticks: 0,
         faults: Vec::new(),
         largest_difference: None,
+        in_top_k: scorer.as_ref().map(|_| 0),
     };
     let progress = audience.start("replay the logs", replayed.episodes as u64, "episodes");
     for (number, episode) in dataset.episodes().iter().enumerate() {
@@ -75,7 +85,13 @@ pub fn replay(
             return Err(FlyError::Interrupted { flown: number }.into());
         }
         let seed = number as u64;
-        let mut plant = ReplayPlant::new(shape, vec![recording(dataset, episode, seed)])?;
+        let recording = recording(dataset, episode, seed);
+        if let (Some(scorer), Some(in_top_k)) = (&mut scorer, &mut replayed.in_top_k) {
+            let place = u32::try_from(number).unwrap_or(NEW_EPISODE);
+            let verdict = score_recording(scorer, shape, &recording, place)?;
+            *in_top_k += usize::from(verdict.class == DiscountClass::TopK);
+        }
+        let mut plant = ReplayPlant::new(shape, vec![recording])?;
         let (report, _) = fly_episode(&mut controller, &mut plant, seed)
             .map_err(|source| FlyError::Episode { seed, source })?;
         replayed.ticks += u64::from(report.ticks);

@@ -51,7 +51,7 @@ pub(super) struct EvalArgs {
     #[arg(long)]
     workers: Option<NonZeroUsize>,
     /// Show the recorded observations of the run's dataset to the controller instead of flying: how far its actions are from
-    /// the recorded ones, and whether it would have stopped. Needs no simulator
+    /// the recorded ones, whether it would have stopped, and how many episodes it puts in the top k %. Needs no simulator
     #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers"])]
     replay: bool,
     /// The dataset to replay, if it is no longer where the run found it
@@ -120,10 +120,13 @@ fn replay_text(report: &Replayed) -> String {
             worst.absolute, worst.seed, worst.step, worst.dimension
         )
     });
+    let top_k = report.in_top_k.map_or_else(String::new, |in_top_k| {
+        format!("\ntop k %           {in_top_k} episodes, as the controller scores them")
+    });
     format!(
         "{dataset}: {episodes} episodes, {ticks} ticks\n\
          clamped           {clamped} ticks\n\
-         slew-limited      {limited} ticks{difference}\n\
+         slew-limited      {limited} ticks{difference}{top_k}\n\
          faulted episodes  {faulted}{faults}",
         dataset = report.dataset,
         episodes = report.episodes,

@@ -118,6 +118,7 @@ impl Ends for ReplayDatasetError {
         match self {
             Self::Replay(_) => ExitCode::BadInput,
             Self::Fly(error) => error.exit_code(),
+            Self::Score(error) => error.exit_code(),
         }
     }
 }
