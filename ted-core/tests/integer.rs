@@ -185,4 +185,6 @@ fn the_tangent_of_every_argument_is_within_the_stated_error_odd_and_never_fallin
         assert!(worst <= 1.6, "{worst} with {fraction_bits} fraction bits");
     }
     assert_eq!(tanh_q15(i16::MIN, 0), -MAX_ACTIVATION);
+    // The three that `docs/artifact-format.md` works out.
+    assert_eq!([1000, -1000, 3].map(|x| tanh_q15(x, 12)), [7844, -7844, 24]);
 }

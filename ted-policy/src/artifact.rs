@@ -68,7 +68,8 @@ impl<'a> Artifact<'a> {
             let normaliser = *policy.normaliser();
             integers::policy(&mut arrays, integers.policy, &outline.policy, normaliser)?;
             check_integer_reward(&mut arrays, &reward_arrays, integers, &outline)?;
-            if integers.ted.is_some() != ted.is_some() {
+            // A border is one of predicted returns: without an ensemble nobody here could compute them.
+            if integers.ted.is_some() != (outline.reward.is_some() && ted.is_some()) {
                 return Err(ArtifactError::IntegerPart {
                     place: Place::Discount,
                 });

@@ -91,6 +91,23 @@ fn what_is_left_out_stays_out() {
 }
 
 #[test]
+fn a_discount_without_an_ensemble_goes_without_a_border_in_integers() {
+    let spec = ArtifactSpec {
+        reward: None,
+        integers: full().integers.map(|integers| IntegerSpec {
+            reward: None,
+            threshold: None,
+            ..integers
+        }),
+        ..full()
+    };
+    let bytes = ArtifactBytes::from_vec(write(&spec).unwrap());
+    let artifact = Artifact::parse(&bytes).unwrap();
+    assert_eq!(artifact.ted(), spec.ted);
+    assert_eq!(artifact.integers().unwrap().threshold, None);
+}
+
+#[test]
 fn weights_are_borrowed_from_the_file() {
     let bytes = full_bytes();
     let artifact = Artifact::parse(&bytes).unwrap();

@@ -28,6 +28,8 @@ pub struct Tolerance {
 
 /// The golden vectors of an artefact, computed again.
 pub const GOLDEN: Tolerance = exact("golden vectors, this machine - the artefact");
+/// The same in integers.
+pub const INTEGER_GOLDEN: Tolerance = exact("golden vectors in integers");
 /// The numbers in an artefact and those in the state that it was made from.
 pub const WEIGHTS: Tolerance = exact("weights, artefact - checkpoint");
 /// The artefact made again from a run's state, byte by byte.
@@ -52,8 +54,9 @@ pub const ACTIONS_BURN: Tolerance = absolute("actions, burn flex - burn ndarray"
 pub const MATMUL: Tolerance = absolute("matrix product, burn - double precision", 1e-5);
 
 /// The whole table.
-pub const TABLE: [Tolerance; 12] = [
+pub const TABLE: [Tolerance; 13] = [
     GOLDEN,
+    INTEGER_GOLDEN,
     WEIGHTS,
     EXPORT,
     LABELS,

@@ -1,4 +1,4 @@
-//! The inner loops in assembly. The only unsafe code of the crate.
+//! The inner loops in assembly. With `x86`, the only unsafe code of the crate.
 //!
 //! The compiler does not get there: it keeps a register for itself that the integer loop needs, and it scatters the loads
 //! of the f32 loop, which cost a cycle more each when they do not follow one another. The kernels around these loops decide

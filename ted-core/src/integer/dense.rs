@@ -10,6 +10,9 @@ pub const MAX_WEIGHT: i8 = 127;
 /// Largest magnitude of an activation: symmetric, so -32768 is not an activation.
 pub const MAX_ACTIVATION: i16 = 32767;
 
+/// Largest magnitude of an `i16`: an activation never has it, but an input that somebody else made may.
+const LARGEST_INPUT: i32 = 1 << 15;
+
 /// Smallest normalised requantisation multiplier; the largest is `i32::MAX`.
 const MIN_MULTIPLIER: i32 = 1 << 30;
 
@@ -18,7 +21,8 @@ const MAX_SHIFT: i8 = 31;
 
 /// Largest magnitude of a bias for which an accumulator over `inputs` products stays within `i32`.
 ///
-/// `inputs * 127 * 32767 + limit == i32::MAX`; at the widest layer, 256 inputs, half of the range is left for the bias.
+/// `inputs * 127 * 32768 + limit == i32::MAX`, which holds for an input of -32768 too; at the widest layer, 256 inputs, half of the
+/// range is left for the bias.
 #[must_use]
 pub const fn bias_limit(inputs: usize) -> i32 {
     let inputs = if inputs > MAX_WIDTH {
@@ -26,11 +30,11 @@ pub const fn bias_limit(inputs: usize) -> i32 {
     } else {
         inputs
     };
-    i32::MAX - inputs as i32 * MAX_WEIGHT as i32 * MAX_ACTIVATION as i32
+    i32::MAX - inputs as i32 * MAX_WEIGHT as i32 * LARGEST_INPUT
 }
 
 const _: () =
-    assert!((MAX_WIDTH as i64) * (MAX_WEIGHT as i64) * (MAX_ACTIVATION as i64) < i32::MAX as i64);
+    assert!((MAX_WIDTH as i64) * (MAX_WEIGHT as i64) * (LARGEST_INPUT as i64) < i32::MAX as i64);
 
 /// A dense layer in integers. Per output: `acc = bias + sum(w * x)`, then `acc * multiplier * 2^(shift - 31)`.
 #[derive(Clone, Copy, Debug)]
@@ -137,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_worst_accumulator_of_the_widest_layer_just_fits() {
-        let product = i64::from(MAX_WEIGHT) * i64::from(MAX_ACTIVATION);
+        let product = i64::from(MAX_WEIGHT) * i64::from(i16::MIN).abs();
         for inputs in [1, 39, MAX_WIDTH] {
             assert_eq!(
                 inputs as i64 * product + i64::from(bias_limit(inputs)),

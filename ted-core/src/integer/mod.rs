@@ -10,6 +10,8 @@
 //! reward = clamp(sum of members, low, high) - low                       a whole number, 0 to high - low
 //! ```
 
+#![deny(clippy::float_arithmetic)]
+
 mod dense;
 mod error;
 mod kernel;

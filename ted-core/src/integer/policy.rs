@@ -17,7 +17,7 @@ pub struct IntegerPolicy<'a> {
 impl<'a> IntegerPolicy<'a> {
     /// Joins a network with the fixed point of its two ends.
     ///
-    /// An input is `round(obs_norm * 2^input_fraction_bits)`, saturated; an output of the last layer, before its
+    /// An input is `floor(obs_norm * 2^input_fraction_bits + 1/2)`, saturated ([`crate::quantised::fixed`]); an output of the last layer, before its
     /// activation, has `output_fraction_bits`.
     ///
     /// # Errors

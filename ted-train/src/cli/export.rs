@@ -56,18 +56,19 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let folder = RunFolder::open(&args.run).map_err(end)?;
     let dataset = dataset_of(&folder, args.dataset.as_deref())?;
     let finished = FinishedRun::read(&folder, &dataset, args.output.audience()).map_err(end)?;
+    let exported = finished.artefact(&dataset).map_err(end)?;
+    let file = args.out.clone().unwrap_or_else(|| folder.artefact_path());
+    let unchanged = std::fs::read(&file).is_ok_and(|held| held == exported.bytes);
+    match &args.out {
+        Some(file) => disk::replace(file, &exported.bytes),
+        None => exported.write(&folder),
+    }
+    .map_err(end)?;
     let Exported {
         bytes,
         quantisation,
         ..
-    } = finished.artefact(&dataset).map_err(end)?;
-    let file = args.out.clone().unwrap_or_else(|| folder.artefact_path());
-    let unchanged = std::fs::read(&file).is_ok_and(|held| held == bytes);
-    match &args.out {
-        Some(file) => disk::replace(file, &bytes),
-        None => folder.write_artefact(&bytes),
-    }
-    .map_err(end)?;
+    } = exported;
     let aligned = ArtifactBytes::from_vec(bytes);
     let artifact = Artifact::parse(&aligned)
         .map_err(|error| end(ExportError::Write(ted_policy::WriteError::Refused(error))))?;

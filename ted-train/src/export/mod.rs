@@ -4,6 +4,7 @@ mod contract;
 
 pub use contract::{ContractText, channel_text};
 
+use firmware_sim::disk::WriteError as WriteFileError;
 use ted_core::integer::IntegerError;
 use ted_core::{DiscountClass, Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
 use ted_policy::{ArtifactSpec, Digest, Provenance, WriteError};
@@ -12,6 +13,7 @@ use crate::dataset::Dataset;
 use crate::nn::ExportedMlp;
 use crate::quantise::{Originals, QuantisationReport, QuantisedNetworks};
 use crate::reward::oprl::ExportedEnsemble;
+use crate::run::{QUANTISATION, RunFolder};
 use crate::ted::DiscountConfig;
 
 /// Golden vectors in an artefact: every loader replays them before it flies.
@@ -79,7 +81,18 @@ pub struct Exported {
     pub integer_classes: Option<Vec<DiscountClass>>,
 }
 
-/// Quantises the networks and writes the artefact.
+impl Exported {
+    /// Puts the artefact into a run's folder, and the report on its integers beside it.
+    ///
+    /// # Errors
+    /// When the disk is full or fails.
+    pub fn write(&self, folder: &RunFolder) -> Result<(), WriteFileError> {
+        folder.write_artefact(&self.bytes)?;
+        folder.write_json(QUANTISATION, &self.quantisation)
+    }
+}
+
+/// Quantises the networks and makes the bytes of the artefact.
 ///
 /// # Errors
 /// When the controller could not run it, or a weight is not finite.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use ted_core::integer::IntegerScratch;
 use ted_core::{Mlp, Normaliser, Output, RewardInput, Scratch};
 use ted_policy::{Artifact, FORMAT_VERSION, SafeAction};
 
@@ -355,7 +356,13 @@ impl GoldenText {
                 reward_raw: case.reward_raw,
             })
             .collect();
-        let verified = artifact.verify_golden(&mut Scratch::new());
+        let verified =
+            artifact
+                .verify_golden(&mut Scratch::new())
+                .and_then(|()| match artifact.integers() {
+                    Some(_) => artifact.verify_integer_golden(&mut IntegerScratch::new()),
+                    None => Ok(()),
+                });
         Self {
             cases: vectors.len(),
             verified: verified.is_ok(),

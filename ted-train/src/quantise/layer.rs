@@ -52,8 +52,8 @@ impl IntegerLayer {
         let for_bias = 2.0 * bias.abs() / (input.unit * limit);
         let unit = for_weights.max(for_bias);
         let factor = multiplier(input.unit * unit / output_unit);
-        let Some((multiplier, shift)) = factor.filter(|_| unit > 0.0) else {
-            // Nothing that this output could add up to reaches one unit in the last place.
+        let Some((multiplier, shift)) = factor else {
+            // Even the largest sum stays far below one unit in the last place.
             self.weights.extend(row.iter().map(|_| 0));
             self.bias.push(0);
             self.multipliers.push(1 << 30);
@@ -89,11 +89,10 @@ impl IntegerLayer {
     }
 }
 
-/// `factor` as `multiplier * 2^(shift - 31)` with a multiplier in [2^30, 2^31); nothing if it is out of reach.
+/// `factor` as `multiplier * 2^(shift - 31)` with a multiplier in [2^30, 2^31), the largest there is if that is too small;
+/// nothing for a factor below 2^-32, by which no sum of 32 bits comes to a half.
 fn multiplier(factor: f64) -> Option<(i32, i8)> {
-    if !(factor.is_finite() && factor > 0.0) {
-        return None;
-    }
+    const LARGEST: (i32, i8) = (i32::MAX, 31);
     let one = 2_f64.powi(31);
     let (mantissa, mut shift) = libm::frexp(factor);
     let mut mantissa = (mantissa * one).round();
@@ -101,10 +100,11 @@ fn multiplier(factor: f64) -> Option<(i32, i8)> {
         mantissa /= 2.0;
         shift += 1;
     }
-    let shift = i8::try_from(shift)
-        .ok()
-        .filter(|shift| (-31..=31).contains(shift))?;
-    Some((mantissa as i32, shift))
+    match shift {
+        32.. => Some(LARGEST),
+        -31..32 if factor > 0.0 => Some((mantissa as i32, shift as i8)),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -125,8 +125,11 @@ mod tests {
                 assert!(multiplier >= 1 << 30);
             }
         }
-        for out_of_reach in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12, 1e12] {
-            assert_eq!(multiplier(out_of_reach), None, "{out_of_reach}");
+        for too_small in [0.0, 1e-12, f64::MIN_POSITIVE] {
+            assert_eq!(multiplier(too_small), None, "{too_small}");
+        }
+        for too_large in [2_f64.powi(31), 1e12, f64::MAX] {
+            assert_eq!(multiplier(too_large), Some((i32::MAX, 31)), "{too_large}");
         }
     }
 
@@ -159,6 +162,7 @@ mod tests {
         let quantised = IntegerLayer::quantise(&layer, input, 1e-3);
         assert!(quantised.view().is_ok());
         assert_eq!(quantised.weights, [0; 4]);
-        assert!(quantised.bias[1] > 0);
+        // The bias has half of the accumulator's room, and its weights too little of it to be seen.
+        assert_eq!(quantised.bias, [0, bias_limit(2) / 2 + 1]);
     }
 }

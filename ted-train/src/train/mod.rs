@@ -19,7 +19,7 @@ use crate::preferences::Teacher;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
 use crate::rng::Seed;
-use crate::run::{QUANTISATION, RunError, RunFolder};
+use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
 
 /// Why training stopped.
@@ -128,9 +128,7 @@ pub fn train(
         rewards,
         ted,
     };
-    let exported = run.artefact(dataset)?;
-    folder.write_artefact(&exported.bytes)?;
-    folder.write_json(QUANTISATION, &exported.quantisation)?;
+    run.artefact(dataset)?.write(folder)?;
     Ok(())
 }
 
