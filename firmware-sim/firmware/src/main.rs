@@ -8,11 +8,13 @@ mod halt;
 mod link;
 mod machine;
 mod map;
+mod memory;
 mod ring;
 mod semihosting;
 mod slots;
 mod stack;
 mod uart;
+mod vectors;
 
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
