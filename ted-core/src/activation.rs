@@ -16,6 +16,29 @@ pub fn tanh(v: f32) -> f32 {
     libm::tanhf(v)
 }
 
+/// What a layer does with its sums.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Activation {
+    /// [`relu`].
+    Relu,
+    /// Nothing.
+    Linear,
+    /// [`tanh`].
+    Tanh,
+}
+
+impl Activation {
+    /// Activates all of `values`, one kind in one loop.
+    #[inline(always)]
+    pub(crate) fn apply(self, values: &mut [f32]) {
+        match self {
+            Self::Relu => values.iter_mut().for_each(|v| *v = relu(*v)),
+            Self::Linear => {}
+            Self::Tanh => values.iter_mut().for_each(|v| *v = tanh(*v)),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

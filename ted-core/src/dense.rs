@@ -1,5 +1,6 @@
 //! One dense layer that borrows its weights.
 
+use crate::activation::Activation;
 use crate::error::{Part, ShapeError};
 use crate::kernel;
 use crate::limits::MAX_WIDTH;
@@ -58,17 +59,16 @@ impl<'a> Dense<'a> {
         self.bias
     }
 
-    /// Applies the layer and then `activate` to every output.
-    #[inline(always)]
+    /// Applies the layer and then the activation to every output.
     pub(crate) fn apply(
         &self,
         x: &[f32],
         out: &mut [f32],
-        activate: impl Fn(f32) -> f32,
+        activation: Activation,
     ) -> Result<(), ShapeError> {
         ShapeError::same(Part::Input, self.inputs, x.len())?;
         ShapeError::same(Part::Output, self.outputs(), out.len())?;
-        kernel::dense(self.weights, self.bias, x, out, activate);
+        kernel::dense(self.weights, self.bias, x, out, activation);
         Ok(())
     }
 }

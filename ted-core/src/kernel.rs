@@ -4,6 +4,8 @@
 //! together changes the speed and never a bit. Nothing here can panic: rows are cut with checked splits, and a row that is
 //! missing ends the loop. [`crate::Dense`] has proved that none is.
 
+use crate::activation::Activation;
+
 /// Partial sums of one output row.
 type Lanes = [f32; LANES];
 
@@ -12,21 +14,21 @@ const LANES: usize = 4;
 /// Rows computed together: four rows of four lanes fit the registers of a Cortex-M4F and of SSE2.
 const ROWS: usize = 4;
 
-/// Computes `out[o] = activate(sum_i weights[o][i] * x[i] + bias[o])`.
-#[inline(always)]
+/// Computes `out[o] = activation(sum_i weights[o][i] * x[i] + bias[o])`.
+///
+/// Out of line: hidden and last layers of all networks share the one copy there is.
+#[inline(never)]
 pub(crate) fn dense(
     weights: &[f32],
     bias: &[f32],
     x: &[f32],
     out: &mut [f32],
-    activate: impl Fn(f32) -> f32,
+    activation: Activation,
 ) {
     #[cfg(target_arch = "x86_64")]
     let (weights, bias, out) = {
         let rows = crate::x86::sums(weights, bias, x, out);
-        for out in out.iter_mut().take(rows) {
-            *out = activate(*out);
-        }
+        activation.apply(out.get_mut(..rows).unwrap_or_default());
         let rest = (
             weights.get(rows * x.len()..),
             bias.get(rows..),
@@ -37,7 +39,7 @@ pub(crate) fn dense(
         };
         (weights, bias, out)
     };
-    portable(weights, bias, x, out, activate);
+    portable(weights, bias, x, out, activation);
 }
 
 /// The same on any machine.
@@ -47,7 +49,7 @@ fn portable(
     bias: &[f32],
     x: &[f32],
     out: &mut [f32],
-    activate: impl Fn(f32) -> f32,
+    activation: Activation,
 ) {
     let mut rows = Rows {
         rest: weights,
@@ -59,7 +61,7 @@ fn portable(
                 return;
             };
             for ((out, sum), bias) in out.iter_mut().zip(dot(weights, x)).zip(bias) {
-                *out = activate(sum + bias);
+                *out = sum + bias;
             }
         } else {
             for (out, bias) in out.iter_mut().zip(bias) {
@@ -67,10 +69,11 @@ fn portable(
                     return;
                 };
                 for sum in dot(weights, x) {
-                    *out = activate(sum + bias);
+                    *out = sum + bias;
                 }
             }
         }
+        activation.apply(out);
     }
 }
 
@@ -154,7 +157,7 @@ mod tests {
                 let x: Vec<f32> = (0..inputs).map(number).collect();
                 let bias: Vec<f32> = (0..outputs).map(|o| number(3 * o)).collect();
                 let mut out: Vec<f32> = (0..outputs).map(|_| f32::NAN).collect();
-                portable(&weights, &bias, &x, &mut out, |y| y);
+                portable(&weights, &bias, &x, &mut out, Activation::Linear);
                 let rows = weights.chunks(inputs).zip(&bias);
                 let expected = rows.map(|(row, bias)| reference::dense_row(row, *bias, &x));
                 for (o, (out, expected)) in out.iter().zip(expected).enumerate() {

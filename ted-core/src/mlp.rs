@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::activation::{relu, tanh};
+use crate::activation::Activation;
 use crate::dense::Dense;
 use crate::error::{Part, ShapeError};
 use crate::limits::MAX_LAYERS;
@@ -99,7 +99,7 @@ impl<'a> Mlp<'a> {
                 None => x,
                 Some(width) => prefix(read, width)?,
             };
-            layer.apply(input, prefix_mut(write, layer.outputs())?, relu)?;
+            layer.apply(input, prefix_mut(write, layer.outputs())?, Activation::Relu)?;
             width = Some(layer.outputs());
             core::mem::swap(&mut read, &mut write);
         }
@@ -107,10 +107,11 @@ impl<'a> Mlp<'a> {
             None => x,
             Some(width) => prefix(read, width)?,
         };
-        match self.output {
-            Output::Linear => self.last.apply(input, out, |v| v),
-            Output::Tanh => self.last.apply(input, out, tanh),
-        }
+        let activation = match self.output {
+            Output::Linear => Activation::Linear,
+            Output::Tanh => Activation::Tanh,
+        };
+        self.last.apply(input, out, activation)
     }
 }
 
