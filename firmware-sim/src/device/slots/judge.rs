@@ -48,13 +48,8 @@ pub(in crate::device) fn refusal(error: ArtifactError) -> Refusal {
 
 /// As much of a text as a greeting has room for, whole characters only.
 pub(in crate::device) fn name(text: &str) -> Name {
-    let mut name = Name::new();
-    for character in text.chars() {
-        if name.len() + character.len_utf8() > NAME_LENGTH || name.push(character).is_err() {
-            break;
-        }
-    }
-    name
+    let fits = text.get(..text.floor_char_boundary(NAME_LENGTH));
+    Name::try_from(fits.unwrap_or_default()).unwrap_or_default()
 }
 
 /// A digest of what a robot is wired by: names, units and order of the channels, and the control period.
