@@ -8,6 +8,7 @@ use serde::Serialize;
 use ted_policy::crc32;
 
 use super::cobs;
+use super::encode::encode;
 
 /// Bytes of an artefact in one [`Request::FlashData`](super::message::Request::FlashData), at most.
 pub const CHUNK_LENGTH: usize = 512;
@@ -52,7 +53,7 @@ pub fn build(buffer: &mut [u8], number: u16, message: &impl Serialize) -> Option
     let body = buffer.get_mut(most..)?;
     let (head, rest) = body.split_first_chunk_mut::<NUMBER>()?;
     *head = number.to_le_bytes();
-    let message_length = postcard::to_slice(message, rest).ok()?.len();
+    let message_length = encode(message, rest)?;
     let checked = NUMBER + message_length;
     let checksum = crc32(&[body.get(..checked)?]).to_le_bytes();
     *body.get_mut(checked..)?.first_chunk_mut::<CHECKSUM>()? = checksum;

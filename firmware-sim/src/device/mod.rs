@@ -6,6 +6,7 @@
 mod board;
 pub mod cobs;
 mod counters;
+mod encode;
 mod fly;
 pub mod frame;
 mod line;
