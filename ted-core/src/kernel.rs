@@ -44,13 +44,7 @@ pub(crate) fn dense(
 
 /// The same on any machine.
 #[inline(always)]
-fn portable(
-    weights: &[f32],
-    bias: &[f32],
-    x: &[f32],
-    out: &mut [f32],
-    activation: Activation,
-) {
+fn portable(weights: &[f32], bias: &[f32], x: &[f32], out: &mut [f32], activation: Activation) {
     let mut rows = Rows {
         rest: weights,
         inputs: x.len(),

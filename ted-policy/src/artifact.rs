@@ -4,7 +4,7 @@ use ted_core::integer::IntegerScratch;
 use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
 use ted_core::{Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch, TedDiscount};
 
-use crate::arrays::Arrays;
+use crate::arrays::{Arrays, Blob};
 use crate::contract::Contract;
 use crate::envelope::Envelope;
 use crate::error::{ArtifactError, Place};
@@ -25,8 +25,9 @@ pub struct Artifact<'a> {
     policy: Policy<'a>,
     ted: Option<TedDiscount>,
     /// Where the arrays of the reward ensemble start, and those of the integer networks.
-    reward_arrays: Arrays<'a>,
-    integer_arrays: Arrays<'a>,
+    blob: Blob<'a>,
+    reward_position: usize,
+    integer_position: usize,
     golden: Golden<'a>,
 }
 
@@ -50,40 +51,53 @@ impl<'a> Artifact<'a> {
         }
         let (observation_dim, action_dim) = (terms.observation.len(), terms.action.len());
         networks::fits(&outline.policy, observation_dim, action_dim)?;
-        let mut arrays = Arrays::new(&envelope)?;
+        let blob = Blob::of(&envelope)?;
+        let mut arrays = blob.arrays(0);
+        let read = Self::read(&mut arrays, envelope.checksum, outline, blob);
+        arrays.judge(read)
+    }
 
-        let normaliser = networks::normaliser(&mut arrays, observation_dim, Place::Normaliser)?;
-        let mlp = networks::mlp(&mut arrays, &outline.policy, Place::Policy)?;
-        let policy = Policy::new(normaliser, mlp).map_err(|error| ArtifactError::Shape {
-            place: Place::Policy,
-            error,
-        })?;
-        let reward_arrays = arrays;
+    /// Reads all arrays once.
+    fn read(
+        arrays: &mut Arrays<'a>,
+        checksum: u32,
+        outline: Outline<'a>,
+        blob: Blob<'a>,
+    ) -> Option<Self> {
+        let terms = &outline.terms;
+        let normaliser = networks::normaliser(arrays, terms.observation.len(), Place::Normaliser)?;
+        let mlp = networks::mlp(arrays, &outline.policy, Place::Policy)?;
+        let policy = arrays.shaped(Place::Policy, Policy::new(normaliser, mlp))?;
+        let reward_position = arrays.position();
         if let Some(reward) = &outline.reward {
-            check_reward(&mut arrays, reward, terms)?;
+            check_reward(arrays, reward, terms)?;
         }
-        let ted = outline.ted.as_ref().map(networks::ted).transpose()?;
-        let integer_arrays = arrays;
+        let ted = match outline.ted.as_ref().map(networks::ted).transpose() {
+            Ok(ted) => ted,
+            Err(error) => return arrays.refuse(error),
+        };
+        let integer_position = arrays.position();
         if let Some(integers) = outline.integers {
-            let normaliser = *policy.normaliser();
-            integers::policy(&mut arrays, integers.policy, &outline.policy, normaliser)?;
-            check_integer_reward(&mut arrays, &reward_arrays, integers, &outline)?;
+            integers::policy(arrays, integers.policy, &outline.policy, normaliser)?;
+            let reward_arrays = blob.arrays(reward_position);
+            check_integer_reward(arrays, reward_arrays, integers, &outline)?;
             // A border is one of predicted returns: without an ensemble nobody here could compute them.
             if integers.ted.is_some() != (outline.reward.is_some() && ted.is_some()) {
-                return Err(ArtifactError::IntegerPart {
+                return arrays.refuse(ArtifactError::IntegerPart {
                     place: Place::Discount,
                 });
             }
         }
-        let golden = Golden::read(&mut arrays, &outline)?;
+        let golden = Golden::read(arrays, &outline)?;
         arrays.finish()?;
-        Ok(Self {
-            checksum: envelope.checksum,
+        Some(Self {
+            checksum,
             outline,
             policy,
             ted,
-            reward_arrays,
-            integer_arrays,
+            blob,
+            reward_position,
+            integer_position,
             golden,
         })
     }
@@ -134,8 +148,8 @@ impl<'a> Artifact<'a> {
             return false;
         };
         // It was put together once, so it can be again.
-        let mut arrays = self.reward_arrays;
-        networks::reward(&mut arrays, shape, &self.outline.terms, into).is_ok()
+        let mut arrays = self.blob.arrays(self.reward_position);
+        networks::reward(&mut arrays, shape, &self.outline.terms, into).is_some()
     }
 
     /// TED's discount, if the run used it.
@@ -193,9 +207,10 @@ impl<'a> Artifact<'a> {
         let Some((_, mut arrays)) = self.integer_policy_and_rest() else {
             return false;
         };
-        reward_normaliser(self.reward_arrays, shape, &self.outline.terms)
+        let reward_arrays = self.blob.arrays(self.reward_position);
+        reward_normaliser(reward_arrays, shape, &self.outline.terms)
             .and_then(|normaliser| integers::reward(&mut arrays, *integer, shape, normaliser, into))
-            .is_ok()
+            .is_some()
     }
 
     /// TED's border in the unit of the integer rewards, if the run used TED and the networks were exported in integers.
@@ -210,10 +225,10 @@ impl<'a> Artifact<'a> {
 
     fn integer_policy_and_rest(&self) -> Option<(QuantisedPolicy<'a>, Arrays<'a>)> {
         let integers = self.outline.integers?;
-        let mut arrays = self.integer_arrays;
+        let mut arrays = self.blob.arrays(self.integer_position);
         let normaliser = *self.policy.normaliser();
         let network = &self.outline.policy;
-        let policy = integers::policy(&mut arrays, integers.policy, network, normaliser).ok()?;
+        let policy = integers::policy(&mut arrays, integers.policy, network, normaliser)?;
         Some((policy, arrays))
     }
 
@@ -253,30 +268,27 @@ impl<'a> Artifact<'a> {
 
 /// Puts the reward ensemble together once. Apart, so that its memory is taken for no longer than that.
 #[inline(never)]
-fn check_reward(
-    arrays: &mut Arrays<'_>,
-    shape: &RewardShape<'_>,
-    terms: &Terms<'_>,
-) -> Result<(), ArtifactError> {
+fn check_reward(arrays: &mut Arrays<'_>, shape: &RewardShape<'_>, terms: &Terms<'_>) -> Option<()> {
     networks::reward(arrays, shape, terms, &mut RewardEnsemble::unfilled())
 }
 
-/// The same in integers; `reward_arrays` are where those of the floats start.
+/// The same in integers; `reward_arrays` are those of the floats.
 #[inline(never)]
 fn check_integer_reward<'a>(
     arrays: &mut Arrays<'a>,
-    reward_arrays: &Arrays<'a>,
+    reward_arrays: Arrays<'a>,
     integers: Integers,
     outline: &Outline<'_>,
-) -> Result<(), ArtifactError> {
+) -> Option<()> {
     match (integers.reward, &outline.reward) {
         (Some(integer), Some(shape)) => {
-            let normaliser = reward_normaliser(*reward_arrays, shape, &outline.terms)?;
+            // It was read once, so it can be again.
+            let normaliser = reward_normaliser(reward_arrays, shape, &outline.terms)?;
             let mut reward = QuantisedRewardEnsemble::unfilled();
             integers::reward(arrays, integer, shape, normaliser, &mut reward)
         }
-        (None, None) => Ok(()),
-        _ => Err(ArtifactError::IntegerPart {
+        (None, None) => Some(()),
+        _ => arrays.refuse(ArtifactError::IntegerPart {
             place: Place::Reward,
         }),
     }
@@ -287,7 +299,7 @@ fn reward_normaliser<'a>(
     mut reward_arrays: Arrays<'a>,
     shape: &RewardShape<'_>,
     terms: &Terms<'_>,
-) -> Result<Normaliser<'a>, ArtifactError> {
+) -> Option<Normaliser<'a>> {
     let seen = shape.inputs(terms);
     networks::normaliser(&mut reward_arrays, seen, Place::RewardNormaliser)
 }

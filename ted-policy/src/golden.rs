@@ -66,37 +66,36 @@ impl<'a> Golden<'a> {
     }
 
     /// Reads the arrays of the cases; `outline` says how many there are and which networks they are for.
-    pub(crate) fn read(
-        arrays: &mut Arrays<'a>,
-        outline: &Outline<'_>,
-    ) -> Result<Self, ArtifactError> {
+    pub(crate) fn read(arrays: &mut Arrays<'a>, outline: &Outline<'_>) -> Option<Self> {
         let cases = usize::from(outline.golden_cases);
         if cases == 0 {
-            return Err(ArtifactError::NoGolden);
+            return arrays.refuse(ArtifactError::NoGolden);
         }
-        let (terms, rewards) = (&outline.terms, outline.reward.is_some());
+        let terms = &outline.terms;
         let (observation_dim, action_dim) = (terms.observation.len(), terms.action.len());
         let observations = arrays.take_f32(cases * observation_dim, Place::Golden)?;
         let actions = arrays.take_f32(cases * action_dim, Place::Golden)?;
-        Ok(Self {
+        let rewards = match outline.reward {
+            Some(_) => Some(arrays.take_f32(cases, Place::Golden)?),
+            None => None,
+        };
+        let integers = match outline.integers {
+            Some(integers) => Some(IntegerGolden {
+                actions: arrays.take(cases * action_dim)?,
+                rewards: match integers.reward {
+                    Some(_) => Some(arrays.take(cases)?),
+                    None => None,
+                },
+            }),
+            None => None,
+        };
+        Some(Self {
             observation_dim,
             action_dim,
             observations,
             actions,
-            rewards: match rewards {
-                true => Some(arrays.take_f32(cases, Place::Golden)?),
-                false => None,
-            },
-            integers: match outline.integers {
-                Some(integers) => Some(IntegerGolden {
-                    actions: arrays.take(cases * action_dim)?,
-                    rewards: match integers.reward {
-                        Some(_) => Some(arrays.take(cases)?),
-                        None => None,
-                    },
-                }),
-                None => None,
-            },
+            rewards,
+            integers,
         })
     }
 

@@ -3,12 +3,11 @@
 use heapless::Vec;
 use ted_core::integer::{IntegerDense, IntegerError, IntegerMlp, IntegerPolicy, IntegerRange};
 use ted_core::quantised::{QuantisedPolicy, QuantisedRewardEnsemble};
-use ted_core::{MAX_LAYERS, Normaliser, Part, ReturnThreshold, ShapeError};
+use ted_core::{MAX_LAYERS, Normaliser, ReturnThreshold};
 
 use crate::arrays::Arrays;
-use crate::error::ArtifactError;
 use crate::metadata::RewardShape;
-use crate::networks::{check_widths, too_many};
+use crate::networks::check_widths;
 use crate::wire::{FixedPoint, IntegerReward, Network};
 
 /// The networks of an artefact once more, in integers.
@@ -28,14 +27,14 @@ pub(crate) fn policy<'a>(
     fixed_point: FixedPoint,
     network: &Network,
     normaliser: Normaliser<'a>,
-) -> Result<QuantisedPolicy<'a>, ArtifactError> {
-    let policy = IntegerPolicy::new(
+) -> Option<QuantisedPolicy<'a>> {
+    let mlp = mlp(arrays, network)?;
+    let policy = arrays.integer(IntegerPolicy::new(
         fixed_point.input_fraction_bits,
         fixed_point.output_fraction_bits,
-        mlp(arrays, network)?,
-    )
-    .map_err(ArtifactError::Integer)?;
-    QuantisedPolicy::new(normaliser, policy).map_err(refused)
+        mlp,
+    ))?;
+    arrays.integer(QuantisedPolicy::new(normaliser, policy).map_err(IntegerError::Shape))
 }
 
 /// Makes `into` the reward ensemble in integers behind the normaliser of the float one.
@@ -45,12 +44,12 @@ pub(crate) fn reward<'a>(
     shape: &RewardShape<'_>,
     normaliser: Normaliser<'a>,
     into: &mut QuantisedRewardEnsemble<'a>,
-) -> Result<(), ArtifactError> {
-    let mut defect = None;
+) -> Option<()> {
+    let mut whole = true;
     let members = shape.members.iter().map_while(|network| {
-        mlp(arrays, &network)
-            .map_err(|error| defect = Some(error))
-            .ok()
+        let member = mlp(arrays, &network);
+        whole = member.is_some();
+        member
     });
     let range = IntegerRange {
         low: integer.low,
@@ -63,30 +62,25 @@ pub(crate) fn reward<'a>(
     let filled = into.fill(shape.input.into(), normaliser, |ensemble| {
         ensemble.fill(input_fraction_bits, output_fraction_bits, members, range)
     });
-    match defect {
-        Some(error) => Err(error),
-        None => filled.map_err(ArtifactError::Integer),
+    if !whole {
+        return None;
     }
+    arrays.integer(filled)
 }
 
 /// A network in integers: weights, biases, multipliers and shifts of each layer.
-fn mlp<'a>(arrays: &mut Arrays<'a>, network: &Network) -> Result<IntegerMlp<'a>, ArtifactError> {
+#[inline(never)]
+fn mlp<'a>(arrays: &mut Arrays<'a>, network: &Network) -> Option<IntegerMlp<'a>> {
     let mut layers = Vec::<IntegerDense<'a>, MAX_LAYERS>::new();
     for (inputs, outputs) in network.layers() {
-        check_widths(inputs, outputs).map_err(refused)?;
+        arrays.integer(check_widths(inputs, outputs).map_err(IntegerError::Shape))?;
         let weights = arrays.take(inputs * outputs)?;
         let bias = arrays.take(outputs)?;
         let multipliers = arrays.take(outputs)?;
         let shifts = arrays.take(outputs)?;
-        let layer = IntegerDense::new(inputs, weights, bias, multipliers, shifts)
-            .map_err(ArtifactError::Integer)?;
-        layers
-            .push(layer)
-            .map_err(|_| refused(too_many(Part::Layers, MAX_LAYERS)))?;
+        let layer = IntegerDense::new(inputs, weights, bias, multipliers, shifts);
+        // There is room: a network has no more widths.
+        layers.push(arrays.integer(layer)?).ok()?;
     }
-    IntegerMlp::new(&layers, network.output.into()).map_err(refused)
-}
-
-fn refused(error: ShapeError) -> ArtifactError {
-    ArtifactError::Integer(IntegerError::Shape(error))
+    arrays.integer(IntegerMlp::new(&layers, network.output.into()).map_err(IntegerError::Shape))
 }

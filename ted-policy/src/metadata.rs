@@ -46,7 +46,7 @@ impl<'a, T: Deserialize<'a>> List<'a, T> {
     /// All of them, in order.
     pub fn iter(&self) -> impl Iterator<Item = T> + use<'a, T> {
         let mut reader = Reader { rest: self.bytes };
-        (0..self.length).map_while(move |_| reader.take().ok())
+        (0..self.length).map_while(move |_| reader.take())
     }
 }
 
@@ -162,6 +162,17 @@ impl<'a> Outline<'a> {
     /// Decodes all of it once.
     pub(crate) fn read(metadata: &'a [u8]) -> Result<Self, ArtifactError> {
         let mut reader = Reader { rest: metadata };
+        let outline = Self::take(&mut reader).ok_or(ArtifactError::Metadata)?;
+        match reader.rest.len() {
+            0 => Ok(outline),
+            left => Err(ArtifactError::MetadataLength {
+                expected: metadata.len() - left,
+                actual: metadata.len(),
+            }),
+        }
+    }
+
+    fn take(reader: &mut Reader<'a>) -> Option<Self> {
         let terms = Terms {
             task: reader.take()?,
             observation: reader.list(MAX_OBSERVATION)?,
@@ -171,7 +182,7 @@ impl<'a> Outline<'a> {
         };
         let provenance = reader.rest;
         let finite_provenance = reader.take_provenance()?;
-        let outline = Self {
+        Some(Self {
             terms,
             provenance,
             finite_provenance,
@@ -184,19 +195,12 @@ impl<'a> Outline<'a> {
                     high: reader.take()?,
                     members: reader.list(MAX_MEMBERS)?,
                 }),
-                _ => return Err(ArtifactError::Metadata),
+                _ => return None,
             },
             ted: reader.take()?,
             integers: reader.take()?,
             golden_cases: reader.take()?,
-        };
-        match reader.rest.len() {
-            0 => Ok(outline),
-            left => Err(ArtifactError::MetadataLength {
-                expected: metadata.len() - left,
-                actual: metadata.len(),
-            }),
-        }
+        })
     }
 }
 
@@ -206,24 +210,23 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn take<T: Deserialize<'a>>(&mut self) -> Result<T, ArtifactError> {
-        let (value, rest) =
-            postcard::take_from_bytes(self.rest).map_err(|_| ArtifactError::Metadata)?;
+    fn take<T: Deserialize<'a>>(&mut self) -> Option<T> {
+        let (value, rest) = postcard::take_from_bytes(self.rest).ok()?;
         self.rest = rest;
-        Ok(value)
+        Some(value)
     }
 
     /// A list of at most `limit`, each of them decoded once.
-    fn list<T: Deserialize<'a>>(&mut self, limit: usize) -> Result<List<'a, T>, ArtifactError> {
+    fn list<T: Deserialize<'a>>(&mut self, limit: usize) -> Option<List<'a, T>> {
         let length: u32 = self.take()?;
         if length as usize > limit {
-            return Err(ArtifactError::Metadata);
+            return None;
         }
         let bytes = self.rest;
         for _ in 0..length {
             self.take::<T>()?;
         }
-        Ok(List {
+        Some(List {
             bytes,
             length: length as u8,
             of: PhantomData,
@@ -232,7 +235,7 @@ impl<'a> Reader<'a> {
 
     /// Goes on behind the provenance; whether its numbers are finite.
     #[inline(never)]
-    fn take_provenance(&mut self) -> Result<bool, ArtifactError> {
+    fn take_provenance(&mut self) -> Option<bool> {
         // Field by field, as a device has no use for the whole: `Provenance` has these, in this order.
         self.take::<&str>()?;
         self.take::<&str>()?;
@@ -244,15 +247,14 @@ impl<'a> Reader<'a> {
         match self.take()? {
             0_u8 => {}
             1 => self.skip_digest()?,
-            _ => return Err(ArtifactError::Metadata),
+            _ => return None,
         }
         let returns: [f64; 2] = [self.take()?, self.take()?];
-        Ok(returns.into_iter().all(f64::is_finite))
+        Some(returns.into_iter().all(f64::is_finite))
     }
 
-    fn skip_digest(&mut self) -> Result<(), ArtifactError> {
-        let rest = self.rest.get(size_of::<Digest>()..);
-        self.rest = rest.ok_or(ArtifactError::Metadata)?;
-        Ok(())
+    fn skip_digest(&mut self) -> Option<()> {
+        self.rest = self.rest.get(size_of::<Digest>()..)?;
+        Some(())
     }
 }

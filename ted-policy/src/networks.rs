@@ -37,37 +37,33 @@ pub(crate) fn fits(
 }
 
 /// A normaliser of so many channels: finite shifts, then finite and positive scales.
+#[inline(never)]
 pub(crate) fn normaliser<'a>(
     arrays: &mut Arrays<'a>,
     channels: usize,
     place: Place,
-) -> Result<Normaliser<'a>, ArtifactError> {
+) -> Option<Normaliser<'a>> {
     let shift = arrays.take_f32(channels, place)?;
     let scale = arrays.take_f32(channels, place)?;
     if let Some(channel) = scale.iter().position(|scale| *scale <= 0.0) {
-        return Err(ArtifactError::ScaleNotPositive { place, channel });
+        return arrays.refuse(ArtifactError::ScaleNotPositive { place, channel });
     }
-    Normaliser::new(shift, scale).map_err(|error| ArtifactError::Shape { place, error })
+    arrays.shaped(place, Normaliser::new(shift, scale))
 }
 
 /// A network: weights and biases of each layer.
-pub(crate) fn mlp<'a>(
-    arrays: &mut Arrays<'a>,
-    network: &Network,
-    place: Place,
-) -> Result<Mlp<'a>, ArtifactError> {
-    let shape = |error| ArtifactError::Shape { place, error };
+#[inline(never)]
+pub(crate) fn mlp<'a>(arrays: &mut Arrays<'a>, network: &Network, place: Place) -> Option<Mlp<'a>> {
     let mut layers = Vec::<Dense<'a>, MAX_LAYERS>::new();
     for (inputs, outputs) in network.layers() {
-        check_widths(inputs, outputs).map_err(shape)?;
+        arrays.shaped(place, check_widths(inputs, outputs))?;
         let weights = arrays.take_f32(inputs * outputs, place)?;
         let bias = arrays.take_f32(outputs, place)?;
-        let layer = Dense::new(inputs, outputs, weights, bias).map_err(shape)?;
-        layers
-            .push(layer)
-            .map_err(|_| shape(too_many(Part::Layers, MAX_LAYERS)))?;
+        let layer = arrays.shaped(place, Dense::new(inputs, outputs, weights, bias))?;
+        // There is room: a network has no more widths.
+        layers.push(layer).ok()?;
     }
-    Mlp::new(&layers, network.output.into()).map_err(shape)
+    arrays.shaped(place, Mlp::new(&layers, network.output.into()))
 }
 
 /// Makes `into` a reward ensemble that sees what the contract has.
@@ -76,18 +72,14 @@ pub(crate) fn reward<'a>(
     reward: &RewardShape<'_>,
     terms: &Terms<'_>,
     into: &mut RewardEnsemble<'a>,
-) -> Result<(), ArtifactError> {
-    let shape = |error| ArtifactError::Shape {
-        place: Place::Reward,
-        error,
-    };
+) -> Option<()> {
     let range = RewardRange {
         low: reward.low,
         high: reward.high,
     };
     // A width beyond every float would make rewards that are no number.
     if !(range.low <= range.high && (range.high - range.low).is_finite()) {
-        return Err(ArtifactError::RewardRange {
+        return arrays.refuse(ArtifactError::RewardRange {
             low: range.low,
             high: range.high,
         });
@@ -101,25 +93,22 @@ pub(crate) fn reward<'a>(
                 expected: seen,
                 actual: network.inputs(),
             };
-            return Err(ArtifactError::Shape {
-                place: Place::RewardMember(index as u8),
-                error,
-            });
+            return arrays.shaped(Place::RewardMember(index as u8), Err(error));
         }
     }
     let normaliser = normaliser(arrays, seen, Place::RewardNormaliser)?;
-    let mut defect = None;
-    let members = reward.members.iter().enumerate();
-    let members = members.map_while(|(index, network)| {
-        mlp(arrays, &network, Place::RewardMember(index as u8))
-            .map_err(|error| defect = Some(error))
-            .ok()
+    let (mut index, mut whole) = (0, true);
+    let members = reward.members.iter().map_while(|network| {
+        let member = mlp(arrays, &network, Place::RewardMember(index));
+        index += 1;
+        whole = member.is_some();
+        member
     });
     let filled = into.fill(input, normaliser, members, range);
-    match defect {
-        Some(error) => Err(error),
-        None => filled.map_err(shape),
+    if !whole {
+        return None;
     }
+    arrays.shaped(Place::Reward, filled)
 }
 
 /// A discount whose numbers are in range.
@@ -143,12 +132,4 @@ pub(crate) fn check_widths(inputs: usize, outputs: usize) -> Result<(), ShapeErr
         }
     }
     Ok(())
-}
-
-pub(crate) fn too_many(part: Part, limit: usize) -> ShapeError {
-    ShapeError::TooLarge {
-        part,
-        limit,
-        actual: limit + 1,
-    }
 }

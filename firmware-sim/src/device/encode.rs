@@ -128,7 +128,11 @@ impl Serializer for &mut Encoder<'_> {
         self.varint(variant.into())
     }
 
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Encoded {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        value: &T,
+    ) -> Encoded {
         value.serialize(self)
     }
 
