@@ -127,13 +127,16 @@ pub fn artefact(export: &Export<'_>) -> Result<Exported, ExportError> {
         dataset_return_max: export.dataset.max_return_true(),
     };
     let golden_obs_raw = golden_observations(export.dataset);
-    let originals = Originals {
-        policy: policy.clone(),
-        reward: reward.clone(),
-        ted: export.ted,
-        returns_hat: export.returns_hat,
-    };
-    let (integers, quantisation) = QuantisedNetworks::quantise(&originals, export.dataset)?;
+    let (integers, quantisation) = QuantisedNetworks::quantise(
+        &Originals {
+            contract: &contract,
+            policy: policy.clone(),
+            reward: reward.clone(),
+            ted: export.ted,
+            returns_hat: export.returns_hat,
+        },
+        export.dataset,
+    )?;
     let spec = ArtifactSpec {
         contract,
         provenance,

@@ -1,7 +1,7 @@
 //! From a trained policy and reward ensemble to the same networks in integers, with a report of what that costs.
 //!
 //! ```text
-//! input     x = floor(norm * 2^f + 1/2)       f: the most fraction bits with which no input of the dataset is cut off
+//! input     x = floor(norm * 2^f + 1/2)       f: the most fraction bits with which nothing that the contract accepts is cut off
 //! weights   w = round(W / u), |w| <= 127      u per output: its largest weight over 127
 //! bias      b = round((B + sum (W - u w) mean(x)) / (unit(x) u))
 //! hidden    16 bits for twice the largest activation of the calibration
@@ -29,7 +29,7 @@ use ted_core::{
     DiscountClass, NEW_EPISODE, Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch,
     TedDiscount,
 };
-use ted_policy::IntegerSpec;
+use ted_policy::{Contract, IntegerSpec};
 
 use crate::dataset::Dataset;
 use crate::ted::{DiscountConfig, classes};
@@ -38,7 +38,7 @@ use crate::ted::{DiscountConfig, classes};
 const CALIBRATION: usize = 8192;
 
 /// The networks of a run in integers as plain arrays.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct QuantisedNetworks {
     policy: QuantisedNetwork,
     rewards: Option<QuantisedRewards>,
@@ -48,6 +48,8 @@ pub struct QuantisedNetworks {
 /// What is quantised.
 #[derive(Clone, Debug)]
 pub struct Originals<'a> {
+    /// What a controller accepts: the integers have room for all of it.
+    pub contract: &'a Contract<'a>,
     /// The policy.
     pub policy: Policy<'a>,
     /// The reward ensemble, if the artefact has one.
@@ -76,13 +78,7 @@ impl QuantisedNetworks {
             .flat_map(|&step| dataset.observation(step).iter().copied())
             .collect();
         let calibration = Calibration::new(normaliser, observations.clone())?;
-        let statistics = dataset.observation_statistics();
-        let largest = largest_norm(
-            &normaliser,
-            statistics.min.iter().copied(),
-            statistics.max.iter().copied(),
-            dataset.observation_dim(),
-        );
+        let largest = largest_norm(&normaliser, originals.contract);
         let mlp = originals.policy.mlp();
         let bits = network::input_fraction_bits(largest);
         let output_bits = network::output_fraction_bits(mlp, &calibration)?;
@@ -100,7 +96,8 @@ impl QuantisedNetworks {
             rewards: None,
         };
         if let Some(reward) = &originals.reward {
-            let (rewards, members) = QuantisedRewards::quantise(reward, dataset, &steps)?;
+            let (rewards, members) =
+                QuantisedRewards::quantise(reward, originals.contract, dataset, &steps)?;
             let threshold = originals
                 .ted
                 .and_then(|(_, rule)| rule.integer_threshold(&rewards.returns_hat));
@@ -175,17 +172,15 @@ impl QuantisedNetworks {
     }
 }
 
-/// The largest magnitude of a standardised value between these bounds of each channel.
-fn largest_norm(
-    normaliser: &Normaliser<'_>,
-    low: impl Iterator<Item = f32>,
-    high: impl Iterator<Item = f32>,
-    channels: usize,
-) -> f64 {
+/// The largest magnitude of a standardised value that the contract accepts: of the observation, and of the action if the
+/// normaliser has channels for it.
+fn largest_norm(normaliser: &Normaliser<'_>, contract: &Contract<'_>) -> f64 {
+    let observation = contract.observation.iter().map(|it| [it.low, it.high]);
+    let action = contract.action.iter().map(|it| [it.low, it.high]);
     let statistics = normaliser.shift().iter().zip(normaliser.scale());
-    let bounds = low.zip(high).zip(statistics).take(channels);
-    let norms = bounds.flat_map(|((low, high), (shift, scale))| {
-        [low, high].map(|raw| f64::from(((raw - shift) * scale).abs()))
-    });
-    norms.fold(0.0, f64::max)
+    observation
+        .chain(action)
+        .zip(statistics)
+        .flat_map(|(ends, (shift, scale))| ends.map(|raw| f64::from(((raw - shift) * scale).abs())))
+        .fold(0.0, f64::max)
 }

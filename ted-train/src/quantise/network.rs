@@ -20,9 +20,11 @@ const MIN_INPUT_FRACTION_BITS: u8 = 10;
 const BEFORE_TANH: u8 = 12;
 
 /// A network in integers as plain arrays.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct QuantisedNetwork {
     layers: Vec<IntegerLayer>,
+    /// What an integer output of 1 stands for, layer by layer.
+    units: Vec<f64>,
     output: Output,
     /// Fraction bits of a standardised input.
     pub input_fraction_bits: u8,
@@ -33,7 +35,7 @@ pub struct QuantisedNetwork {
 /// How a network's integers differ from its floats on the calibration inputs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NetworkReport {
-    /// How many inputs were looked at.
+    /// How many input values were looked at.
     pub inputs: usize,
     /// Input values that were cut off at the ends of 16 bits.
     pub saturated_inputs: usize,
@@ -44,7 +46,7 @@ pub struct NetworkReport {
 /// How a layer's integers differ from its floats.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LayerReport {
-    /// Values that were cut off at the ends of 16 bits.
+    /// Values that were cut off at the ends of 16 bits. None counts before a tanh, which is flat there.
     pub saturated: usize,
     /// Root mean square of the difference, relative to that of the value.
     pub relative_error: f64,
@@ -127,7 +129,7 @@ impl QuantisedNetwork {
         let count = mlp.layers().count();
         let mut mean = means(&calibration.norm, mlp.inputs());
         let mut unit = 1.0 / one(input_fraction_bits);
-        let mut layers = Vec::with_capacity(count);
+        let (mut layers, mut units) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for (index, layer) in mlp.layers().enumerate() {
             let mut values = calibration.through(mlp, index + 1)?;
             let output_unit = if index + 1 == count {
@@ -141,9 +143,11 @@ impl QuantisedNetwork {
             layers.push(IntegerLayer::quantise(layer, input, output_unit));
             mean = means(&values, layer.outputs());
             unit = output_unit;
+            units.push(output_unit);
         }
         Ok(Self {
             layers,
+            units,
             output: mlp.output(),
             input_fraction_bits,
             output_fraction_bits,
@@ -171,11 +175,11 @@ impl QuantisedNetwork {
             .map(|&norm| fixed(norm, self.input_fraction_bits))
             .collect();
         let mut report = NetworkReport {
-            inputs: calibration.rows().count(),
-            saturated_inputs: saturated(&inputs),
+            inputs: calibration.norm.len(),
+            saturated_inputs: saturated(&calibration.norm, 1.0 / one(self.input_fraction_bits)),
             layers: Vec::new(),
         };
-        for count in 1..=self.layers.len() {
+        for (count, &unit) in (1..).zip(&self.units) {
             let mut exact = calibration.through(mlp, count)?;
             let network = self.prefix(count, Output::Linear)?;
             let mut scratch = IntegerScratch::new();
@@ -186,13 +190,19 @@ impl QuantisedNetwork {
                 network.forward(row, Q15, &mut scratch, out)?;
                 all.extend_from_slice(out);
             }
-            if count < self.layers.len() {
+            let last = count == self.layers.len();
+            if !last {
                 exact.iter_mut().for_each(|v| *v = v.max(0.0));
                 all.iter_mut().for_each(|q| *q = (*q).max(0));
             }
+            if last && self.output == Output::Tanh {
+                // Beyond the end of its table a tanh changes no more: nothing is lost by being cut off there.
+                let end = (f64::from(MAX_ACTIVATION) * unit) as f32;
+                exact.iter_mut().for_each(|v| *v = v.clamp(-end, end));
+            }
             report.layers.push(LayerReport {
-                saturated: saturated(&all),
-                relative_error: relative_error(&all, &exact),
+                saturated: saturated(&exact, unit),
+                relative_error: relative_error(&all, &exact, unit),
             });
         }
         Ok(report)
@@ -225,11 +235,11 @@ fn largest(values: &[f32]) -> f64 {
         .fold(0.0, |largest, v| largest.max(f64::from(v.abs())))
 }
 
-fn saturated(values: &[i16]) -> usize {
-    values
-        .iter()
-        .filter(|v| v.unsigned_abs() == MAX_ACTIVATION.unsigned_abs())
-        .count()
+/// Values that 16 bits of this unit have no room for.
+fn saturated(values: &[f32], unit: f64) -> usize {
+    // Half a unit more is rounded to the last number there is.
+    let end = (f64::from(MAX_ACTIVATION) + 0.5) * unit;
+    values.iter().filter(|v| f64::from(v.abs()) > end).count()
 }
 
 fn means(values: &[f32], width: usize) -> Vec<f64> {
@@ -243,24 +253,12 @@ fn means(values: &[f32], width: usize) -> Vec<f64> {
     sums.iter().map(|sum| sum / rows).collect()
 }
 
-/// The unit of the integers does not matter: it is the one that brings them nearest to the floats.
-fn relative_error(integers: &[i16], exact: &[f32]) -> f64 {
-    let pairs = || {
-        integers
-            .iter()
-            .zip(exact)
-            .map(|(&q, &v)| (f64::from(q), f64::from(v)))
-    };
-    let (squares, products) = pairs().fold((0.0, 0.0), |(squares, products), (q, v)| {
-        (squares + q * q, products + q * v)
-    });
-    let unit = if squares > 0.0 {
-        products / squares
-    } else {
-        0.0
-    };
-    let (error, size) = pairs().fold((0.0, 0.0), |(error, size), (q, v)| {
-        (error + (q * unit - v).powi(2), size + v * v)
+/// Root mean square of the difference, relative to that of the floats.
+fn relative_error(integers: &[i16], exact: &[f32], unit: f64) -> f64 {
+    let pairs = integers.iter().zip(exact);
+    let (error, size) = pairs.fold((0.0, 0.0), |(error, size), (&q, &v)| {
+        let (q, v) = (f64::from(q) * unit, f64::from(v));
+        (error + (q - v).powi(2), size + v * v)
     });
     if size > 0.0 {
         (error / size).sqrt()

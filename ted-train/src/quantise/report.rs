@@ -9,6 +9,9 @@ use ted_core::quantised::resolution;
 use super::network::NetworkReport;
 use crate::export::channel_text;
 
+/// Where a position is resolved too coarsely: a tenth of a millimetre, a hundredth of a full action in Meta-World.
+const COARSE_MM: f64 = 0.1;
+
 /// How the integers of an artefact differ from its floats.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct QuantisationReport {
@@ -87,7 +90,7 @@ impl Display for QuantisationReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "integers         {} fraction bits in, {} of {} calibration observations' values cut off",
+            "integers         {} fraction bits in, {} of {} values of the calibration observations cut off",
             self.input_fraction_bits, self.policy.saturated_inputs, self.policy.inputs
         )?;
         if let Some(Coarsest {
@@ -97,7 +100,12 @@ impl Display for QuantisationReport {
         {
             write!(
                 f,
-                "\nresolution       at least {resolution_mm:.3} mm ({channel})"
+                "\nresolution       {resolution_mm:.3} mm or finer ({channel}){}",
+                if *resolution_mm > COARSE_MM {
+                    ": coarser than a controller of positions wants"
+                } else {
+                    ""
+                }
             )?;
         }
         for (index, layer) in self.policy.layers.iter().enumerate() {
@@ -115,12 +123,13 @@ impl Display for QuantisationReport {
             )?;
         }
         if let Some(rewards) = &self.rewards {
-            let worst = (rewards.members.iter())
-                .filter_map(|member| member.layers.last())
-                .fold(0.0, |worst, layer| f64::max(worst, layer.relative_error));
+            let layers = || rewards.members.iter().flat_map(|member| &member.layers);
+            let worst = layers().fold(0.0, |worst, layer| f64::max(worst, layer.relative_error));
+            let cut_off = layers().map(|layer| layer.saturated).sum::<usize>()
+                + (rewards.members.first()).map_or(0, |member| member.saturated_inputs);
             write!(
                 f,
-                "\nreward ensemble  {} members, relative error at most {worst:.4}",
+                "\nreward ensemble  {} members, relative error of a layer at most {worst:.4}, {cut_off} values cut off",
                 rewards.members.len()
             )?;
             if let Some(changes) = rewards.class_changes {

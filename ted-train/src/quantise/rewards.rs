@@ -9,14 +9,16 @@ use ted_core::integer::{
 };
 use ted_core::quantised::QuantisedRewardEnsemble;
 use ted_core::{EpisodeReturn, Mlp, RewardEnsemble, RewardInput};
+use ted_policy::Contract;
 
+use super::largest_norm;
 use super::network::{
     Calibration, NetworkReport, QuantisedNetwork, input_fraction_bits, output_fraction_bits,
 };
 use crate::dataset::{Dataset, Episode};
 
 /// A reward ensemble in integers as plain arrays.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct QuantisedRewards {
     members: Vec<QuantisedNetwork>,
     range: IntegerRange,
@@ -31,6 +33,7 @@ impl QuantisedRewards {
     /// When the ensemble was not made for observations and actions of this size.
     pub fn quantise(
         reward: &RewardEnsemble<'_>,
+        contract: &Contract<'_>,
         dataset: &Dataset,
         steps: &[usize],
     ) -> Result<(Self, Vec<NetworkReport>), IntegerError> {
@@ -42,7 +45,7 @@ impl QuantisedRewards {
             dataset.observation(step).iter().chain(action).copied()
         });
         let calibration = Calibration::new(*reward.normaliser(), raw.collect())?;
-        let bits = input_fraction_bits(largest_input(reward, dataset));
+        let bits = input_fraction_bits(largest_norm(reward.normaliser(), contract));
         // Outputs are added, so they need one unit: the coarsest fits them all.
         let mut output_bits = MAX_FRACTION_BITS;
         for member in reward.members() {
@@ -120,17 +123,4 @@ impl QuantisedRewards {
             .collect();
         Ok(())
     }
-}
-
-/// The largest standardised input of the whole dataset. Actions lie in [-1, 1].
-fn largest_input(reward: &RewardEnsemble<'_>, dataset: &Dataset) -> f64 {
-    let statistics = dataset.observation_statistics();
-    let width = dataset.observation_dim();
-    let low = statistics
-        .min
-        .iter()
-        .copied()
-        .chain(std::iter::repeat(-1.0));
-    let high = statistics.max.iter().copied().chain(std::iter::repeat(1.0));
-    super::largest_norm(reward.normaliser(), low, high, width.max(reward.inputs()))
 }

@@ -1,6 +1,7 @@
 //! Networks of random weights, quantised on a small dataset: near to what they were, and the same every time.
 
 use ted_core::{Dense, DiscountClass, Output, RewardInput, RewardRange};
+use ted_policy::{ActionChannel, ObservationChannel, SafeAction};
 
 use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
@@ -46,6 +47,26 @@ impl Network {
     }
 }
 
+/// What a controller accepts: every channel up to this.
+fn contract(largest: f32) -> Contract<'static> {
+    let observation = ObservationChannel {
+        name: "x",
+        unit: "m",
+        low: -largest,
+        high: largest,
+    };
+    let action = ActionChannel {
+        name: "dx",
+        unit: "cm",
+        low: -1.0,
+        high: 1.0,
+        slew_per_tick: 2.0,
+        on_fault: SafeAction::Zero,
+    };
+    let (observation, action) = ([observation; SHAPE.observation], [action; SHAPE.action]);
+    Contract::new("x", &observation, &action, 1, 1).unwrap()
+}
+
 fn dataset() -> Dataset {
     let lengths: Vec<usize> = (0..20).map(|i| 30 + i % 3).collect();
     Dataset::from_records("ted/x-v0", SHAPE, &records(&lengths)).unwrap()
@@ -79,7 +100,9 @@ fn integers_stay_near_the_floats_and_their_border_keeps_the_share_k() {
         let labels = Labels::unit(ensemble_labels(&dataset, &ensemble(raw)).unwrap());
         let returns_hat = labels.episode_returns(&dataset);
         let ted = rule.lookup(&returns_hat).unwrap().unwrap();
+        let contract = contract(1.2);
         let originals = Originals {
+            contract: &contract,
             policy: Policy::new(normaliser(SHAPE.observation), policy.view(output)).unwrap(),
             reward: Some(ensemble(labels.range)),
             ted: Some((ted, &rule)),
@@ -90,10 +113,12 @@ fn integers_stay_near_the_floats_and_their_border_keeps_the_share_k() {
         assert_eq!(quantised, again);
 
         let rewards = report.rewards.clone().unwrap();
+        // A weight is off by at most half of a 127th of its row's largest; evenly spread, that is 0.23 % of the largest, and 0.4 %
+        // of a weight that is spread evenly below it. Two layers of that, and what the first does to the second.
         for network in rewards.members.iter().chain([&report.policy]) {
             assert_eq!(network.saturated_inputs, 0);
             for layer in &network.layers {
-                assert!(layer.relative_error < 0.015, "{layer:?}");
+                assert!(layer.relative_error < 3.0 * 0.004, "{layer:?}");
                 assert_eq!(layer.saturated, 0);
             }
         }
@@ -132,7 +157,9 @@ fn a_channel_that_leaves_the_range_is_cut_off_and_counted() {
     // Deviations of a hundredth: values of 1 are 100 of them, and the resolution keeps ten fraction bits.
     let (shift, scale) = (vec![0.0; SHAPE.observation], vec![100.0; SHAPE.observation]);
     let policy = Network::random(SHAPE.observation, SHAPE.action, "policy");
+    let contract = contract(1.0);
     let originals = Originals {
+        contract: &contract,
         policy: Policy::new(
             Normaliser::new(&shift, &scale).unwrap(),
             policy.view(Output::Tanh),
@@ -149,8 +176,63 @@ fn a_channel_that_leaves_the_range_is_cut_off_and_counted() {
         .iter()
         .flat_map(|e| e.first_step..e.first_step + e.len)
         .flat_map(|step| dataset.observation(step))
-        .filter(|v| (100.0 * v.abs() * 1024.0 + 0.5).floor() >= 32767.0)
+        .filter(|v| 100.0 * v.abs() * 1024.0 > 32767.5)
         .count();
     assert!(beyond > 0);
     assert_eq!(report.policy.saturated_inputs, beyond);
+}
+
+#[test]
+fn a_position_that_is_resolved_too_coarsely_is_called_that() {
+    let network = Network::random(SHAPE.observation, SHAPE.action, "policy");
+    let with = |resolution_mm| QuantisationReport {
+        coarsest: Some(Coarsest {
+            channel: "hand_x".to_owned(),
+            resolution_mm,
+        }),
+        ..report_of(&network.view(Output::Tanh))
+    };
+    assert!(with(0.2).to_string().contains("coarser than"));
+    assert!(!with(0.09).to_string().contains("coarser than"));
+}
+
+#[test]
+fn one_layer_and_a_layer_that_is_never_active_are_quantised_too() {
+    let (weights, bias) = (
+        numbers(SHAPE.observation * SHAPE.action, "one"),
+        [0.1; SHAPE.action],
+    );
+    let one = Dense::new(SHAPE.observation, SHAPE.action, &weights, &bias).unwrap();
+    let report = report_of(&ted_core::Mlp::new(&[one], Output::Tanh).unwrap());
+    assert!(
+        report.actions.iter().all(|action| action.max < 0.02),
+        "{report}"
+    );
+
+    let hidden_weights = [0.0; SHAPE.observation];
+    let dead = Dense::new(SHAPE.observation, 1, &hidden_weights, &[-1.0]).unwrap();
+    let last_weights = [1.0; SHAPE.action];
+    let last = Dense::new(1, SHAPE.action, &last_weights, &bias).unwrap();
+    let report = report_of(&ted_core::Mlp::new(&[dead, last], Output::Tanh).unwrap());
+    // The bias alone is left of it, in units of 2^-12.
+    assert!(
+        report.actions.iter().all(|action| action.max < 2e-4),
+        "{report}"
+    );
+}
+
+fn report_of(mlp: &ted_core::Mlp<'_>) -> QuantisationReport {
+    let dataset = dataset();
+    let (shift, scale) = ([0.0; SHAPE.observation], [1.0; SHAPE.observation]);
+    let contract = contract(1.0);
+    let originals = Originals {
+        contract: &contract,
+        policy: Policy::new(Normaliser::new(&shift, &scale).unwrap(), mlp.clone()).unwrap(),
+        reward: None,
+        ted: None,
+        returns_hat: &[],
+    };
+    let (quantised, report) = QuantisedNetworks::quantise(&originals, &dataset).unwrap();
+    assert!(quantised.view().is_ok());
+    report
 }

@@ -63,7 +63,9 @@ pub fn observation() -> Vec<f32> {
 
 /// The same in 16-bit fixed point.
 pub fn fixed(x: &[f32]) -> Vec<i16> {
-    x.iter().map(|v| libm::roundf(v * unit()) as i16).collect()
+    x.iter()
+        .map(|v| ted_core::quantised::fixed(*v, FRACTION_BITS))
+        .collect()
 }
 
 /// 1.0 in 16-bit fixed point.

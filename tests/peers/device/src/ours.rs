@@ -31,21 +31,25 @@ pub fn f32(layers: &[Layer], x: &[f32]) -> Vec<f32> {
     action
 }
 
-/// The action in integers, with 15 fraction bits.
+/// The action in integers for a raw observation.
 #[inline(never)]
-pub fn integer(layers: &[Layer], x: &[i16]) -> Vec<i16> {
-    let layers: Vec<IntegerDense<'_>> = layers.iter().map(Layer::integer).collect();
-    let mlp = IntegerMlp::new(&layers, Output::Tanh).expect("the layers chain");
-    let policy = IntegerPolicy::new(FRACTION_BITS, FRACTION_BITS, mlp).expect("it fits");
+pub fn integer(layers: &[Layer], obs_raw: &[f32]) -> Vec<f32> {
+    let (shift, scale) = ([0.0; WIDTHS[0]], [1.0; WIDTHS[0]]);
+    let policy = IntegerPolicy::new(FRACTION_BITS, FRACTION_BITS, mlp(layers)).expect("it fits");
+    let normaliser = Normaliser::new(&shift, &scale).expect("finite");
+    let policy = QuantisedPolicy::new(normaliser, policy).expect("it fits");
     let mut scratch = IntegerScratch::new();
-    let mut action = vec![0; WIDTHS[3]];
-    let (policy, x) = black_box((&policy, x));
+    let mut action = vec![0.0; WIDTHS[3]];
+    let (policy, obs_raw) = black_box((&policy, obs_raw));
     section::rest();
-    let done = policy.act(x, &mut scratch, &mut action);
+    let done = policy.act(obs_raw, &mut scratch, &mut action);
     section::ours_integer();
     done.expect("the sizes fit");
     action
 }
+
+/// What is added to the sum of the reward models to make a reward.
+pub const REWARD_OF_ZERO: i32 = 1 << 20;
 
 /// Everything that a control period asks for, in integers: the action for a raw observation, and the reward of the two by the
 /// whole ensemble.
@@ -58,8 +62,8 @@ pub fn period(layers: &[Layer], members: &[Vec<Layer>], obs_raw: &[f32]) -> i32 
     let policy = QuantisedPolicy::new(normaliser(WIDTHS[0]), policy).expect("it fits");
     let members: Vec<IntegerMlp<'_>> = members.iter().map(|member| mlp(member)).collect();
     let range = IntegerRange {
-        low: -1 << 20,
-        high: 1 << 20,
+        low: -REWARD_OF_ZERO,
+        high: REWARD_OF_ZERO,
     };
     let ensemble = IntegerRewardEnsemble::new(FRACTION_BITS, FRACTION_BITS, &members, range);
     let reward = QuantisedRewardEnsemble::new(

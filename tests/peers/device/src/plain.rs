@@ -59,6 +59,22 @@ pub fn integer(layers: &[Layer], x: &[i16]) -> Vec<i16> {
     action
 }
 
+/// The output of a reward model in integers, with 15 fraction bits. Not a section: it is there to compare with.
+pub fn reward(layers: &[Layer], x: &[i16]) -> i32 {
+    let (mut read, mut output) = (x.to_vec(), 0);
+    for (index, layer) in layers.iter().enumerate() {
+        let mut out = vec![0; layer.bias.len()];
+        if index + 1 < layers.len() {
+            layer_integer(layer, &read, &mut out, |v| v.max(0));
+        } else {
+            layer_integer(layer, &read, &mut out, |v| tanh_q15(v, FRACTION_BITS));
+            output = i32::from(out[0]);
+        }
+        read = out;
+    }
+    output
+}
+
 /// One layer in integers.
 #[inline(always)]
 pub fn layer_integer(layer: &Layer, x: &[i16], out: &mut [i16], activate: impl Fn(i16) -> i16) {
