@@ -54,10 +54,10 @@ impl<'a> Arrays<'a> {
         self.position
     }
 
-    /// What was read of the arrays, or the defect that was found on the way.
-    pub(crate) fn judge<T>(self, read: Option<T>) -> Result<T, ArtifactError> {
-        // There is a defect where there is no value; if not, something is wrong with the artefact all the same.
-        read.ok_or(self.defect.unwrap_or(ArtifactError::Metadata))
+    /// The defect for which a reader returned nothing.
+    pub(crate) fn defect(&self) -> ArtifactError {
+        // There is one; if not, something is wrong with the artefact all the same.
+        self.defect.unwrap_or(ArtifactError::Metadata)
     }
 
     /// Notes a defect. Nothing that was read before it counts.

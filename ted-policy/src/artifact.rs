@@ -22,10 +22,16 @@ use crate::wire::Integers;
 pub struct Artifact<'a> {
     checksum: u32,
     outline: Outline<'a>,
+    blob: Blob<'a>,
+    parts: Parts<'a>,
+}
+
+/// What was read of the blob.
+#[derive(Clone, Debug)]
+struct Parts<'a> {
     policy: Policy<'a>,
     ted: Option<TedDiscount>,
     /// Where the arrays of the reward ensemble start, and those of the integer networks.
-    blob: Blob<'a>,
     reward_position: usize,
     integer_position: usize,
     golden: Golden<'a>,
@@ -53,52 +59,14 @@ impl<'a> Artifact<'a> {
         networks::fits(&outline.policy, observation_dim, action_dim)?;
         let blob = Blob::of(&envelope)?;
         let mut arrays = blob.arrays(0);
-        let read = Self::read(&mut arrays, envelope.checksum, outline, blob);
-        arrays.judge(read)
-    }
-
-    /// Reads all arrays once.
-    fn read(
-        arrays: &mut Arrays<'a>,
-        checksum: u32,
-        outline: Outline<'a>,
-        blob: Blob<'a>,
-    ) -> Option<Self> {
-        let terms = &outline.terms;
-        let normaliser = networks::normaliser(arrays, terms.observation.len(), Place::Normaliser)?;
-        let mlp = networks::mlp(arrays, &outline.policy, Place::Policy)?;
-        let policy = arrays.shaped(Place::Policy, Policy::new(normaliser, mlp))?;
-        let reward_position = arrays.position();
-        if let Some(reward) = &outline.reward {
-            check_reward(arrays, reward, terms)?;
-        }
-        let ted = match outline.ted.as_ref().map(networks::ted).transpose() {
-            Ok(ted) => ted,
-            Err(error) => return arrays.refuse(error),
+        let Some(parts) = Parts::read(&mut arrays, &outline, blob) else {
+            return Err(arrays.defect());
         };
-        let integer_position = arrays.position();
-        if let Some(integers) = outline.integers {
-            integers::policy(arrays, integers.policy, &outline.policy, normaliser)?;
-            let reward_arrays = blob.arrays(reward_position);
-            check_integer_reward(arrays, reward_arrays, integers, &outline)?;
-            // A border is one of predicted returns: without an ensemble nobody here could compute them.
-            if integers.ted.is_some() != (outline.reward.is_some() && ted.is_some()) {
-                return arrays.refuse(ArtifactError::IntegerPart {
-                    place: Place::Discount,
-                });
-            }
-        }
-        let golden = Golden::read(arrays, &outline)?;
-        arrays.finish()?;
-        Some(Self {
-            checksum,
+        Ok(Self {
+            checksum: envelope.checksum,
             outline,
-            policy,
-            ted,
             blob,
-            reward_position,
-            integer_position,
-            golden,
+            parts,
         })
     }
 
@@ -132,7 +100,7 @@ impl<'a> Artifact<'a> {
     /// The policy.
     #[must_use]
     pub fn policy(&self) -> Policy<'a> {
-        self.policy.clone()
+        self.parts.policy.clone()
     }
 
     /// The reward ensemble, if it was exported too.
@@ -148,14 +116,14 @@ impl<'a> Artifact<'a> {
             return false;
         };
         // It was put together once, so it can be again.
-        let mut arrays = self.blob.arrays(self.reward_position);
+        let mut arrays = self.blob.arrays(self.parts.reward_position);
         networks::reward(&mut arrays, shape, &self.outline.terms, into).is_some()
     }
 
     /// TED's discount, if the run used it.
     #[must_use]
     pub fn ted(&self) -> Option<TedDiscount> {
-        self.ted
+        self.parts.ted
     }
 
     /// Whether the networks were exported in integers too.
@@ -207,7 +175,7 @@ impl<'a> Artifact<'a> {
         let Some((_, mut arrays)) = self.integer_policy_and_rest() else {
             return false;
         };
-        let reward_arrays = self.blob.arrays(self.reward_position);
+        let reward_arrays = self.blob.arrays(self.parts.reward_position);
         reward_normaliser(reward_arrays, shape, &self.outline.terms)
             .and_then(|normaliser| integers::reward(&mut arrays, *integer, shape, normaliser, into))
             .is_some()
@@ -225,8 +193,8 @@ impl<'a> Artifact<'a> {
 
     fn integer_policy_and_rest(&self) -> Option<(QuantisedPolicy<'a>, Arrays<'a>)> {
         let integers = self.outline.integers?;
-        let mut arrays = self.blob.arrays(self.integer_position);
-        let normaliser = *self.policy.normaliser();
+        let mut arrays = self.blob.arrays(self.parts.integer_position);
+        let normaliser = *self.parts.policy.normaliser();
         let network = &self.outline.policy;
         let policy = integers::policy(&mut arrays, integers.policy, network, normaliser)?;
         Some((policy, arrays))
@@ -235,7 +203,7 @@ impl<'a> Artifact<'a> {
     /// The golden vectors.
     #[must_use]
     pub fn golden(&self) -> Golden<'a> {
-        self.golden
+        self.parts.golden
     }
 
     /// Computes every golden vector in floats on this machine and compares the bits.
@@ -243,10 +211,12 @@ impl<'a> Artifact<'a> {
     /// # Errors
     /// [`ArtifactError::GoldenMismatch`] at the first bit that differs.
     pub fn verify_golden(&self, scratch: &mut Scratch) -> Result<(), ArtifactError> {
-        self.golden.verify_policy(&self.policy, scratch)?;
+        self.parts
+            .golden
+            .verify_policy(&self.parts.policy, scratch)?;
         let mut reward = RewardEnsemble::unfilled();
         match self.read_reward(&mut reward) {
-            true => self.golden.verify_reward(&reward, scratch),
+            true => self.parts.golden.verify_reward(&reward, scratch),
             false => Ok(()),
         }
     }
@@ -257,12 +227,51 @@ impl<'a> Artifact<'a> {
     /// [`ArtifactError::GoldenMismatch`] at the first number that differs, [`ArtifactError::NoIntegers`] if there are none.
     pub fn verify_integer_golden(&self, scratch: &mut IntegerScratch) -> Result<(), ArtifactError> {
         let policy = self.integer_policy().ok_or(ArtifactError::NoIntegers)?;
-        self.golden.verify_integer_policy(&policy, scratch)?;
+        self.parts.golden.verify_integer_policy(&policy, scratch)?;
         let mut reward = QuantisedRewardEnsemble::unfilled();
         match self.read_integer_reward(&mut reward) {
-            true => self.golden.verify_integer_reward(&reward, scratch),
+            true => self.parts.golden.verify_integer_reward(&reward, scratch),
             false => Ok(()),
         }
+    }
+}
+
+impl<'a> Parts<'a> {
+    /// Reads all arrays once.
+    fn read(arrays: &mut Arrays<'a>, outline: &Outline<'a>, blob: Blob<'a>) -> Option<Self> {
+        let terms = &outline.terms;
+        let normaliser = networks::normaliser(arrays, terms.observation.len(), Place::Normaliser)?;
+        let mlp = networks::mlp(arrays, &outline.policy, Place::Policy)?;
+        let policy = arrays.shaped(Place::Policy, Policy::new(normaliser, mlp))?;
+        let reward_position = arrays.position();
+        if let Some(reward) = &outline.reward {
+            check_reward(arrays, reward, terms)?;
+        }
+        let ted = match outline.ted.as_ref().map(networks::ted).transpose() {
+            Ok(ted) => ted,
+            Err(error) => return arrays.refuse(error),
+        };
+        let integer_position = arrays.position();
+        if let Some(integers) = outline.integers {
+            integers::policy(arrays, integers.policy, &outline.policy, normaliser)?;
+            let reward_arrays = blob.arrays(reward_position);
+            check_integer_reward(arrays, reward_arrays, integers, outline)?;
+            // A border is one of predicted returns: without an ensemble nobody here could compute them.
+            if integers.ted.is_some() != (outline.reward.is_some() && ted.is_some()) {
+                return arrays.refuse(ArtifactError::IntegerPart {
+                    place: Place::Discount,
+                });
+            }
+        }
+        let golden = Golden::read(arrays, outline)?;
+        arrays.finish()?;
+        Some(Self {
+            policy,
+            ted,
+            reward_position,
+            integer_position,
+            golden,
+        })
     }
 }
 

@@ -42,10 +42,12 @@ pub(super) fn quantise(
     let actual = parts.iter().map(|part| part.len()).sum();
     ShapeError::same(Part::Input, normaliser.channels(), actual)?;
     ShapeError::same(Part::Input, normaliser.channels(), out.len())?;
-    let raw = parts.into_iter().flatten();
     let statistics = normaliser.shift().iter().zip(normaliser.scale());
-    for ((out, raw), (shift, scale)) in out.iter_mut().zip(raw).zip(statistics) {
-        *out = fixed((raw - shift) * scale, fraction_bits);
+    let mut channels = out.iter_mut().zip(statistics);
+    for part in parts {
+        for (raw, (out, (shift, scale))) in part.iter().zip(channels.by_ref()) {
+            *out = fixed((raw - shift) * scale, fraction_bits);
+        }
     }
     Ok(())
 }

@@ -14,9 +14,9 @@ mod dsp;
     )
 ))]
 mod scalar;
-#[cfg(target_pointer_width = "64")]
+#[cfg(any(test, target_pointer_width = "64"))]
 mod vector;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_pointer_width = "64"))]
 mod wide;
 
 #[cfg(all(target_arch = "arm", feature = "cortex-m"))]
@@ -28,7 +28,7 @@ use dsp::Activations;
 use scalar::Activations;
 #[cfg(all(target_pointer_width = "64", not(target_arch = "x86_64")))]
 use vector::Activations;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_pointer_width = "64"))]
 use wide::Activations;
 
 use super::dense::IntegerDense;
