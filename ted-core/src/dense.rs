@@ -68,7 +68,8 @@ impl<'a> Dense<'a> {
     ) -> Result<(), ShapeError> {
         ShapeError::same(Part::Input, self.inputs, x.len())?;
         ShapeError::same(Part::Output, self.outputs(), out.len())?;
-        kernel::dense(self.weights, self.bias, x, out, activation);
+        kernel::dense(self.weights, self.bias, x, out);
+        activation.apply(out);
         Ok(())
     }
 }

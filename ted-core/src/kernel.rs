@@ -4,8 +4,6 @@
 //! together changes the speed and never a bit. Nothing here can panic: rows are cut with checked splits, and a row that is
 //! missing ends the loop. [`crate::Dense`] has proved that none is.
 
-use crate::activation::Activation;
-
 /// Partial sums of one output row.
 type Lanes = [f32; LANES];
 
@@ -14,21 +12,14 @@ const LANES: usize = 4;
 /// Rows computed together: four rows of four lanes fit the registers of a Cortex-M4F and of SSE2.
 const ROWS: usize = 4;
 
-/// Computes `out[o] = activation(sum_i weights[o][i] * x[i] + bias[o])`.
+/// Computes `out[o] = sum_i weights[o][i] * x[i] + bias[o]`.
 ///
 /// Out of line: hidden and last layers of all networks share the one copy there is.
 #[inline(never)]
-pub(crate) fn dense(
-    weights: &[f32],
-    bias: &[f32],
-    x: &[f32],
-    out: &mut [f32],
-    activation: Activation,
-) {
+pub(crate) fn dense(weights: &[f32], bias: &[f32], x: &[f32], out: &mut [f32]) {
     #[cfg(target_arch = "x86_64")]
     let (weights, bias, out) = {
         let rows = crate::x86::sums(weights, bias, x, out);
-        activation.apply(out.get_mut(..rows).unwrap_or_default());
         let rest = (
             weights.get(rows * x.len()..),
             bias.get(rows..),
@@ -39,35 +30,33 @@ pub(crate) fn dense(
         };
         (weights, bias, out)
     };
-    portable(weights, bias, x, out, activation);
+    portable(weights, bias, x, out);
 }
 
 /// The same on any machine.
 #[inline(always)]
-fn portable(weights: &[f32], bias: &[f32], x: &[f32], out: &mut [f32], activation: Activation) {
+fn portable(weights: &[f32], bias: &[f32], x: &[f32], out: &mut [f32]) {
     let mut rows = Rows {
         rest: weights,
         inputs: x.len(),
     };
-    for (bias, out) in bias.chunks(ROWS).zip(out.chunks_mut(ROWS)) {
-        if bias.len() == ROWS {
-            let Some(weights) = rows.take::<ROWS>() else {
-                return;
-            };
-            for ((out, sum), bias) in out.iter_mut().zip(dot(weights, x)).zip(bias) {
-                *out = sum + bias;
-            }
-        } else {
-            for (out, bias) in out.iter_mut().zip(bias) {
-                let Some(weights) = rows.take::<1>() else {
-                    return;
-                };
-                for sum in dot(weights, x) {
-                    *out = sum + bias;
-                }
-            }
+    let (groups, odd_bias) = bias.as_chunks::<ROWS>();
+    let (out_groups, odd_out) = out.as_chunks_mut::<ROWS>();
+    for (bias, out) in groups.iter().zip(out_groups) {
+        let Some(weights) = rows.take::<ROWS>() else {
+            return;
+        };
+        for ((out, sum), bias) in out.iter_mut().zip(dot(weights, x)).zip(bias) {
+            *out = sum + bias;
         }
-        activation.apply(out);
+    }
+    for (bias, out) in odd_bias.iter().zip(odd_out) {
+        let Some(weights) = rows.take::<1>() else {
+            return;
+        };
+        for sum in dot(weights, x) {
+            *out = sum + bias;
+        }
     }
 }
 
@@ -151,7 +140,7 @@ mod tests {
                 let x: Vec<f32> = (0..inputs).map(number).collect();
                 let bias: Vec<f32> = (0..outputs).map(|o| number(3 * o)).collect();
                 let mut out: Vec<f32> = (0..outputs).map(|_| f32::NAN).collect();
-                portable(&weights, &bias, &x, &mut out, Activation::Linear);
+                portable(&weights, &bias, &x, &mut out);
                 let rows = weights.chunks(inputs).zip(&bias);
                 let expected = rows.map(|(row, bias)| reference::dense_row(row, *bias, &x));
                 for (o, (out, expected)) in out.iter().zip(expected).enumerate() {

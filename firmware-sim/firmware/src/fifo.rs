@@ -3,7 +3,6 @@
 //! Reading waits inside the host, and the processor's clock stands still meanwhile.
 
 use core::convert::Infallible;
-use core::ffi::CStr;
 
 use embedded_io::{ErrorKind, ErrorType, Read, ReadReady, Write};
 
@@ -31,15 +30,19 @@ impl Fifo {
         for byte in line.iter_mut().filter(|byte| **byte == b' ') {
             *byte = 0;
         }
-        let files = line.strip_prefix(ASKED_FOR)?;
-        let from_host = CStr::from_bytes_until_nul(files).ok()?;
-        let to_host = files.get(from_host.count_bytes() + 1..)?;
-        let to_host = CStr::from_bytes_until_nul(to_host).ok()?;
+        let (from_host, rest) = first_string(line.strip_prefix(ASKED_FOR)?)?;
+        let (to_host, _) = first_string(rest)?;
         Some(Self {
             from_host: semihosting::open(from_host, Mode::Read)?,
             to_host: semihosting::open(to_host, Mode::Write)?,
         })
     }
+}
+
+/// Up to the first zero and with it, and the rest.
+fn first_string(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let zero = bytes.iter().position(|byte| *byte == 0)?;
+    bytes.split_at_checked(zero + 1)
 }
 
 impl core::fmt::Display for Closed {

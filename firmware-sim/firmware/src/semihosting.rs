@@ -79,9 +79,10 @@ pub fn command_line(into: &mut [u8]) -> Option<&mut [u8]> {
     if answer == 0 { Some(into) } else { None }
 }
 
-/// Opens a file of the host.
-pub fn open(path: &CStr, mode: Mode) -> Option<File> {
-    let block = [path.as_ptr() as usize, mode as usize, path.count_bytes()];
+/// Opens a file of the host, by a path that ends with zero.
+pub fn open(path: &[u8], mode: Mode) -> Option<File> {
+    let [path @ .., 0] = path else { return None };
+    let block = [path.as_ptr() as usize, mode as usize, path.len()];
     // SAFETY: the block names a path that ends with zero, and its length.
     let handle = unsafe { ask(OPEN, &block) };
     (handle != REFUSED).then_some(File(handle))

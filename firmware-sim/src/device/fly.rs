@@ -35,7 +35,7 @@ where
     B: Board,
 {
     let Some(active) = &survey.active else {
-        line.reply(&Reply::Refused(Refusal::NoPolicy));
+        line.reply(Reply::Refused(Refusal::NoPolicy));
         return Next::Rest;
     };
     let bytes = active.bytes(flash);
@@ -45,7 +45,7 @@ where
         Ok(next) => next,
         Err(refusal) => {
             // The flash is not what it was when it was surveyed; the other slot may still be good.
-            line.reply(&Reply::Refused(refusal));
+            line.reply(Reply::Refused(refusal));
             Next::Survey
         }
     }
@@ -110,7 +110,7 @@ impl Flyer<'_, '_> {
         B: Board,
     {
         let mut workspace = Workspace::new(start.numeric);
-        line.reply(&Reply::Done);
+        line.reply(Reply::Done);
         let mut heard: Option<Heard> = None;
         loop {
             let silent_at = heard
@@ -137,7 +137,7 @@ impl Flyer<'_, '_> {
                     Request::Rearm => {
                         heard = None;
                         self.controller.rearm();
-                        line.reply(&Reply::Done);
+                        line.reply(Reply::Done);
                     }
                     Request::Start(again) if again.numeric == start.numeric => {
                         (heard, start) = (None, again);
@@ -145,7 +145,7 @@ impl Flyer<'_, '_> {
                         if let Some(scorer) = &mut self.scorer {
                             scorer.reset();
                         }
-                        line.reply(&Reply::Done);
+                        line.reply(Reply::Done);
                     }
                     Request::Start(other) => return Next::Fly(other),
                     Request::FlashBegin(announced) => return Next::Receive(announced),
@@ -168,7 +168,7 @@ impl Flyer<'_, '_> {
             work: 0,
             score: None,
         };
-        line.tell(number, &Reply::Silent(silent));
+        line.tell(number, Reply::Silent(silent));
     }
 
     #[inline(never)]
@@ -188,7 +188,7 @@ impl Flyer<'_, '_> {
         };
         let mut room = [0.0; MAX_OBSERVATION];
         let Some(values) = values.copy_to(&mut room) else {
-            return line.reply(&Reply::Refused(Refusal::Malformed));
+            return line.reply(Reply::Refused(Refusal::Malformed));
         };
         let frame = ObservationFrame {
             sequence,
@@ -204,7 +204,7 @@ impl Flyer<'_, '_> {
             Some(_) => None,
         };
         let score = self.score(step, NEW_EPISODE, board, workspace).ok();
-        line.reply(&Reply::Acted(Acted {
+        line.reply(Reply::Acted(Acted {
             action,
             status,
             work: after.wrapping_sub(before),
@@ -236,7 +236,7 @@ impl Flyer<'_, '_> {
             Some(_) => self.score(step, episode, board, workspace),
             None => Err(Refusal::Malformed),
         };
-        line.reply(&match scored {
+        line.reply(match scored {
             Ok(score) => Reply::Scored(score),
             Err(refusal) => Reply::Refused(refusal),
         });

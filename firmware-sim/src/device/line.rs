@@ -88,21 +88,22 @@ impl<L: Read + ReadReady + Write> Line<L> {
     }
 
     /// Answers the last request, and keeps the answer.
-    pub(super) fn reply(&mut self, reply: &Reply<'_>) {
+    // By value: a constant that is borrowed would lie in flash, all 136 bytes of it.
+    pub(super) fn reply(&mut self, reply: Reply<'_>) {
         let number = self.number();
-        self.reply_length = frame::build(&mut self.reply, number, reply).unwrap_or(0);
+        self.reply_length = frame::build(&mut self.reply, number, &reply).unwrap_or(0);
         self.send_reply();
     }
 
     /// Says something about the request of this number without being asked. If that is the last request, it is from now on
     /// the answer to it.
     #[inline(never)]
-    pub(super) fn tell(&mut self, number: u16, reply: &Reply<'_>) {
+    pub(super) fn tell(&mut self, number: u16, reply: Reply<'_>) {
         if number == self.number() {
             self.reply(reply);
         } else {
             let mut buffer = [0; MAX_REPLY_FRAME];
-            let length = frame::build(&mut buffer, number, reply).unwrap_or(0);
+            let length = frame::build(&mut buffer, number, &reply).unwrap_or(0);
             let frame = buffer.get(..length).unwrap_or_default();
             send(&mut self.link, frame, &mut self.counters);
         }
@@ -142,7 +143,7 @@ impl<L: Read + ReadReady + Write> Line<L> {
         self.last_number = Some(number);
         if request.is_none() {
             count(&mut self.counters.malformed);
-            self.reply(&Reply::Refused(Refusal::Malformed));
+            self.reply(Reply::Refused(Refusal::Malformed));
             return false;
         }
         true

@@ -25,7 +25,7 @@ where
     let mut transfer = match Transfer::begin(flash, survey, announced) {
         Ok(transfer) => transfer,
         Err(refusal) => {
-            line.reply(&Reply::Refused(refusal));
+            line.reply(Reply::Refused(refusal));
             return Next::Survey;
         }
     };
@@ -33,7 +33,7 @@ where
     if let Some(report) = survey.slots.get_mut(slot) {
         *report = SlotReport::Empty;
     }
-    line.reply(&Reply::Done);
+    line.reply(Reply::Done);
     loop {
         match line.wait(board, None) {
             Event::Closed => return Next::Stop,
@@ -44,7 +44,7 @@ where
                         Ok(()) => Reply::Done,
                         Err(refusal) => Reply::Refused(refusal),
                     };
-                    line.reply(&reply);
+                    line.reply(reply);
                 }
                 Request::FlashCommit => {
                     let reply = match transfer.commit(flash, survey) {
@@ -54,7 +54,7 @@ where
                         },
                         Err(refusal) => Reply::Refused(refusal),
                     };
-                    line.reply(&reply);
+                    line.reply(reply);
                     return Next::Survey;
                 }
                 Request::FlashBegin(announced) => return Next::Receive(announced),

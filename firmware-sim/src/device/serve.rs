@@ -111,5 +111,5 @@ where
             }
         }
     };
-    line.reply(&reply);
+    line.reply(reply);
 }
