@@ -197,8 +197,9 @@ impl Serializer for &mut Encoder<'_> {
         Err(Refused)
     }
 
+    /// Nothing takes no bytes.
     fn serialize_unit(self) -> Encoded {
-        Err(Refused)
+        Ok(())
     }
 
     fn serialize_unit_struct(self, _: &'static str) -> Encoded {
