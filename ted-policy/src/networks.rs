@@ -37,7 +37,6 @@ pub(crate) fn fits(
 }
 
 /// A normaliser of so many channels: finite shifts, then finite and positive scales.
-#[inline(never)]
 pub(crate) fn normaliser<'a>(
     arrays: &mut Arrays<'a>,
     channels: usize,
@@ -52,7 +51,6 @@ pub(crate) fn normaliser<'a>(
 }
 
 /// A network: weights and biases of each layer.
-#[inline(never)]
 pub(crate) fn mlp<'a>(arrays: &mut Arrays<'a>, network: &Network, place: Place) -> Option<Mlp<'a>> {
     let mut layers = Vec::<Dense<'a>, MAX_LAYERS>::new();
     for (inputs, outputs) in network.layers() {

@@ -133,6 +133,7 @@ enum NumericPolicy<'a> {
 }
 
 impl<'a> NumericPolicy<'a> {
+    #[inline(never)]
     fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
         match numeric {
             Numeric::F32 => Ok(Self::F32(artifact.policy())),

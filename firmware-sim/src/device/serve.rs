@@ -57,7 +57,6 @@ where
     }
 }
 
-#[inline(never)]
 fn rest<L, F, B>(line: &mut Line<L>, flash: &F, board: &mut B, survey: &Survey) -> Next
 where
     L: Read + ReadReady + Write,
