@@ -71,6 +71,26 @@ fn learned(run: &Path) -> Vec<u8> {
 }
 
 #[test]
+fn ted_on_rewards_that_nobody_learned_is_exported_without_a_border_in_integers() {
+    let desk = Desk::with_dataset();
+    let ted_rule = "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=0.7}";
+    let mut train = desk.train("run", "true", &[ted_rule]);
+    finish(&mut train).with(0);
+    let run = desk.run("run");
+    let bytes = ArtifactBytes::read(run.join("policy.ted")).unwrap();
+    let artifact = Artifact::parse(&bytes).unwrap();
+    assert!(artifact.ted().is_some() && artifact.reward().is_none());
+    assert!(artifact.integers().unwrap().threshold.is_none());
+
+    // The report stands beside the artefact, also when that is made again.
+    let report = run.join("quantisation.json");
+    let before = std::fs::read(&report).unwrap();
+    std::fs::remove_file(&report).unwrap();
+    finish(ted().arg("export").arg(&run)).with(0);
+    assert!(std::fs::read(&report).unwrap() == before);
+}
+
+#[test]
 fn the_artefact_says_where_it_comes_from_and_replays_its_golden_vectors() {
     let desk = Desk::with_dataset();
     finish(desk.train("run", "oprl-i+ted", &[]).args(["--seed", "4"])).with(0);
