@@ -4,10 +4,10 @@ use embedded_io::{Read, ReadReady, Write};
 use ted_core::{DiscountClass, MAX_ACTION, MAX_OBSERVATION, NEW_EPISODE};
 use ted_policy::Artifact;
 
-use super::line::{Event, Line};
+use super::line::{Event, Line, Patience};
 use super::message::{Acted, Refusal, Reply, Request, Score, Start};
 use super::serve::{Next, answer};
-use super::slots::{Survey, refusal};
+use super::slots::{Survey, Transfer, refusal};
 use super::{Board, MappedFlash};
 use crate::controller::{BareController, Numeric};
 use crate::proven::Proven;
@@ -15,9 +15,9 @@ use crate::safety::ObservationFrame;
 use crate::scorer::BareScorer;
 use crate::workspace::Workspace;
 
-/// The last tick: when it came, on the board's clock, and the number of its request.
-struct Heard {
-    at_us: u64,
+/// An action is out that nobody but the next tick takes back: how long that may take, and the number of its request.
+struct Watch {
+    patience: Patience,
     number: u16,
 }
 
@@ -34,9 +34,12 @@ where
     F: MappedFlash,
     B: Board,
 {
-    let Some(active) = &survey.active else {
-        line.reply(Reply::Refused(Refusal::NoPolicy));
-        return Next::Rest;
+    let active = match survey.flies(start.numeric) {
+        Ok(active) => active,
+        Err(refusal) => {
+            line.reply(&Reply::Refused(refusal));
+            return Next::Rest;
+        }
     };
     let bytes = active.bytes(flash);
     let flown = prove(bytes, start.numeric)
@@ -110,57 +113,74 @@ impl Flyer<'_, '_> {
         B: Board,
     {
         let mut workspace = Workspace::new(start.numeric);
-        line.reply(Reply::Done);
-        let mut heard: Option<Heard> = None;
+        line.reply(&Reply::Done);
+        let mut watch: Option<Watch> = None;
         loop {
-            let silent_at = heard
-                .as_ref()
-                .filter(|_| start.silence_us > 0)
-                .map(|heard| heard.at_us.saturating_add(u64::from(start.silence_us)));
-            match (line.wait(board, silent_at), &heard) {
-                (Event::Closed, _) => return Next::Stop,
-                (Event::Silence, None) => {}
-                (Event::Silence, Some(Heard { number, .. })) => {
-                    let number = *number;
-                    heard = None;
-                    self.stop_in_silence(line, number, start.silence_us);
-                }
-                (Event::Request, _) => match line.request() {
+            let patience = watch.as_mut().map(|watch| &mut watch.patience);
+            match line.wait(board, patience) {
+                Event::Closed => return Next::Stop,
+                Event::Silence => self.stop(line, watch.take(), start.silence_us),
+                Event::Request => match line.request() {
                     Request::Tick { .. } => {
-                        heard = Some(Heard {
-                            at_us: board.now_us(),
-                            number: line.number(),
-                        });
-                        self.tick(line, board, &mut workspace);
+                        // Only a tick that sent an action is one; and what it took to compute is no silence of the link.
+                        if self.tick(line, board, &mut workspace) && start.silence_us > 0 {
+                            watch = Some(Watch {
+                                patience: Patience::new(board, start.silence_us),
+                                number: line.number(),
+                            });
+                        }
                     }
                     Request::Log { .. } => self.log(line, board, &mut workspace),
                     Request::Rearm => {
-                        heard = None;
+                        if let Some(watch) = &mut watch {
+                            watch.patience = Patience::new(board, start.silence_us);
+                        }
                         self.controller.rearm();
                         line.reply(Reply::Done);
                     }
-                    Request::Start(again) if again.numeric == start.numeric => {
-                        (heard, start) = (None, again);
-                        self.controller.reset();
-                        if let Some(scorer) = &mut self.scorer {
-                            scorer.reset();
+                    // What ends the flight is refused while it lasts, or stops the plant first.
+                    Request::Start(next) => match survey.flies(next.numeric) {
+                        Err(refusal) => line.reply(&Reply::Refused(refusal)),
+                        Ok(_) => {
+                            self.stop(line, watch.take(), start.silence_us);
+                            if next.numeric != start.numeric {
+                                return Next::Fly(next);
+                            }
+                            start = next;
+                            self.reset();
+                            line.reply(&Reply::Done);
                         }
-                        line.reply(Reply::Done);
-                    }
-                    Request::Start(other) => return Next::Fly(other),
-                    Request::FlashBegin(announced) => return Next::Receive(announced),
+                    },
+                    Request::FlashBegin(announced) => match Transfer::fits(flash, &announced) {
+                        Err(refusal) => line.reply(&Reply::Refused(refusal)),
+                        Ok(()) => {
+                            self.stop(line, watch.take(), start.silence_us);
+                            return Next::Receive(announced);
+                        }
+                    },
                     _ => answer(line, flash, board, survey),
                 },
             }
         }
     }
 
+    fn reset(&mut self) {
+        self.controller.reset();
+        if let Some(scorer) = &mut self.scorer {
+            scorer.reset();
+        }
+    }
+
+    /// Sends the safe action if another one is out and watched.
     // Apart, like the functions below: what one has on the stack is not there while another runs.
     #[inline(never)]
-    fn stop_in_silence<L>(&mut self, line: &mut Line<L>, number: u16, silence_us: u32)
+    fn stop<L>(&mut self, line: &mut Line<L>, watch: Option<Watch>, silence_us: u32)
     where
         L: Read + ReadReady + Write,
     {
+        let Some(Watch { number, .. }) = watch else {
+            return;
+        };
         let (action, status) = self.controller.tick_without_observation(silence_us);
         let silent = Acted {
             action,
@@ -171,8 +191,9 @@ impl Flyer<'_, '_> {
         line.tell(number, Reply::Silent(silent));
     }
 
+    /// Whether an action went out.
     #[inline(never)]
-    fn tick<L, B>(&mut self, line: &mut Line<L>, board: &mut B, workspace: &mut Workspace)
+    fn tick<L, B>(&mut self, line: &mut Line<L>, board: &mut B, workspace: &mut Workspace) -> bool
     where
         L: Read + ReadReady + Write,
         B: Board,
@@ -184,11 +205,12 @@ impl Flyer<'_, '_> {
             values,
         } = line.request()
         else {
-            return;
+            return false;
         };
         let mut room = [0.0; MAX_OBSERVATION];
         let Some(values) = values.copy_to(&mut room) else {
-            return line.reply(Reply::Refused(Refusal::Malformed));
+            line.reply(&Reply::Refused(Refusal::Malformed));
+            return false;
         };
         let frame = ObservationFrame {
             sequence,
@@ -203,6 +225,7 @@ impl Flyer<'_, '_> {
             None => Some((values, action.as_slice())),
             Some(_) => None,
         };
+        // Where the lengths fit, the only reason not to score is that there is nothing to score with.
         let score = self.score(step, NEW_EPISODE, board, workspace).ok();
         line.reply(Reply::Acted(Acted {
             action,
@@ -210,6 +233,7 @@ impl Flyer<'_, '_> {
             work: after.wrapping_sub(before),
             score,
         }));
+        true
     }
 
     /// Scores a step that nobody flies now.

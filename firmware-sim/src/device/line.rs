@@ -3,7 +3,7 @@
 use embedded_io::{Read, ReadReady, Write};
 
 use super::counters::count;
-use super::frame::{self, MAX_REPLY_FRAME};
+use super::frame::{self, MAX_FRAME, MAX_REPLY_FRAME};
 use super::message::{Refusal, Reply, Request};
 use super::{Board, Counters, Receiver};
 
@@ -15,10 +15,38 @@ const AHEAD: u16 = 1 << 15;
 pub(super) enum Event {
     /// A new request is in [`Line::request`].
     Request,
-    /// Nothing came until the time that was given.
+    /// Nothing came for too long.
     Silence,
     /// The other end is gone for good.
     Closed,
+}
+
+/// How long a line may be silent.
+#[derive(Debug)]
+pub(super) struct Patience {
+    until_us: u64,
+    /// Bytes that may still be read when that time has come: what had arrived by then, but not a line that never rests.
+    late: usize,
+}
+
+impl Patience {
+    /// From now on, on the board's clock.
+    pub(super) fn new(board: &mut impl Board, limit_us: u32) -> Self {
+        Self {
+            until_us: board.now_us().saturating_add(u64::from(limit_us)),
+            late: 2 * MAX_FRAME,
+        }
+    }
+
+    /// Whether it has ended, now that so many bytes were read.
+    fn has_ended(&mut self, board: &mut impl Board, read: usize) -> bool {
+        if board.now_us() < self.until_us {
+            return false;
+        }
+        let left = self.late.checked_sub(read);
+        self.late = left.unwrap_or(0);
+        read == 0 || left.is_none()
+    }
 }
 
 /// The line and its two buffers.
@@ -46,31 +74,50 @@ impl<L: Read + ReadReady + Write> Line<L> {
         }
     }
 
-    /// Waits for a request that is to be acted on, until the board's clock reads `until_us`. Repeated requests are answered
-    /// here, old and broken ones dropped.
-    pub(super) fn wait(&mut self, board: &mut impl Board, until_us: Option<u64>) -> Event {
+    /// Waits for a request that is to be acted on, for as long as there is patience, if that is limited. Repeated requests
+    /// are answered here, old and broken ones dropped.
+    pub(super) fn wait(
+        &mut self,
+        board: &mut impl Board,
+        mut patience: Option<&mut Patience>,
+    ) -> Event {
         loop {
             while self.receiver.advance(&mut self.counters) {
                 if self.is_next() {
                     return Event::Request;
                 }
             }
-            if until_us.is_some_and(|until_us| board.now_us() >= until_us) {
+            let Some(read) = self.read() else {
+                return Event::Closed;
+            };
+            // Asked after the reading: bytes that are here already are no silence.
+            if let Some(patience) = &mut patience
+                && patience.has_ended(board, read)
+            {
                 return Event::Silence;
             }
-            match self.link.read_ready() {
-                Ok(true) => {
-                    let room = self.receiver.room(&mut self.counters);
-                    match self.link.read(room) {
-                        Ok(0) => return Event::Closed,
-                        Ok(length) => self.receiver.received(length),
-                        Err(_) => count(&mut self.counters.link_errors),
-                    }
-                }
-                Ok(false) => board.idle(),
-                Err(_) => count(&mut self.counters.link_errors),
+            if read == 0 {
+                board.idle();
             }
         }
+    }
+
+    /// Reads what there is, and says how much that was; nothing when the other end is gone.
+    fn read(&mut self) -> Option<usize> {
+        let read = match self.link.read_ready() {
+            Ok(true) => {
+                let room = self.receiver.room(&mut self.counters);
+                self.link.read(room)
+            }
+            Ok(false) => return Some(0),
+            Err(error) => Err(error),
+        };
+        match read {
+            Ok(0) => return None,
+            Ok(length) => self.receiver.received(length),
+            Err(_) => count(&mut self.counters.link_errors),
+        }
+        Some(read.unwrap_or(0))
     }
 
     /// The request that [`Self::wait`] found.

@@ -106,6 +106,8 @@ impl<S: Read + Write> Pilot for RemoteController<S> {
             Reply::Done => {}
             _ => return Err(RemoteError::Unexpected { asked }),
         }
+        // What the device said when the episode before ended is not about this one.
+        self.connection.take_silent();
         (self.work, self.scoring, self.score) = (Work::default(), Work::default(), None);
         self.before = (self.health()?, self.connection.errors());
         Ok(())

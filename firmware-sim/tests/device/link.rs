@@ -210,7 +210,7 @@ fn a_message_of_no_known_kind_is_refused_and_the_next_one_is_not() {
         framed(1, &HELLO),
         framed(2, &99_u8),
         framed(3, &with_more_behind),
-        framed(4, &()),
+        framed(4, &Raw(Vec::new())),
         framed(5, &Request::Health),
     ]);
     for (_, message) in &answers[1..4] {

@@ -6,12 +6,13 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
+use firmware_sim::bench::MemoryFlash;
 use firmware_sim::controller::Numeric;
-use firmware_sim::device::message::{Acted, Floats, Reply, Request, Start};
+use firmware_sim::device::message::{Acted, FlashBegin, Floats, Reply, Request, Start};
 use firmware_sim::device::{Board, frame, serve};
 use firmware_sim::safety::Fault;
 
-use super::artefacts::{flash_with, toy_artefact};
+use super::artefacts::{artefact_without_integers, flash_with, toy_artefact};
 
 const LIMIT_US: u32 = 30_000;
 
@@ -27,6 +28,10 @@ struct World {
     events: VecDeque<Event>,
     now_us: u64,
     said: Vec<u8>,
+    /// How long it takes from one look at the work counter to the next.
+    work_us: u64,
+    /// How long it takes to read.
+    read_us: u64,
 }
 
 /// The device's link and its board, which are two views of one world.
@@ -39,7 +44,9 @@ impl ErrorType for Stage {
 
 impl Read for Stage {
     fn read(&mut self, room: &mut [u8]) -> Result<usize, Infallible> {
-        match self.0.borrow_mut().events.pop_front() {
+        let mut world = self.0.borrow_mut();
+        world.now_us += world.read_us;
+        match world.events.pop_front() {
             Some(Event::Frame(frame)) => {
                 room[..frame.len()].copy_from_slice(&frame);
                 Ok(frame.len())
@@ -78,6 +85,8 @@ impl Board for Stage {
     }
 
     fn work(&mut self) -> u32 {
+        let mut world = self.0.borrow_mut();
+        world.now_us += world.work_us;
         0
     }
 
@@ -130,13 +139,30 @@ fn tick(number: u16, sequence: u32) -> Event {
 
 /// What a device says to that: the number and the message of each reply.
 fn said_to(events: Vec<Event>) -> Vec<(u16, Vec<u8>)> {
+    said_by_a_slow_device(0, events)
+}
+
+/// The same by a device that takes so long from one look at its work counter to the next.
+fn said_by_a_slow_device(work_us: u64, events: Vec<Event>) -> Vec<(u16, Vec<u8>)> {
+    said_with(&mut flash_with(&[&toy_artefact()]), work_us, events)
+}
+
+/// The same by a device for which a third of the time is over whenever it has read something.
+fn said_with_slow_reading(events: Vec<Event>) -> Vec<(u16, Vec<u8>)> {
     let stage = Stage::default();
+    stage.0.borrow_mut().read_us = u64::from(LIMIT_US) / 3;
+    played(stage, &mut flash_with(&[&toy_artefact()]), events)
+}
+
+fn said_with(memory: &mut MemoryFlash, work_us: u64, events: Vec<Event>) -> Vec<(u16, Vec<u8>)> {
+    let stage = Stage::default();
+    stage.0.borrow_mut().work_us = work_us;
+    played(stage, memory, events)
+}
+
+fn played(stage: Stage, memory: &mut MemoryFlash, events: Vec<Event>) -> Vec<(u16, Vec<u8>)> {
     stage.0.borrow_mut().events = events.into();
-    serve(
-        stage.clone(),
-        &mut flash_with(&[&toy_artefact()]),
-        &mut stage.clone(),
-    );
+    serve(stage.clone(), memory, &mut stage.clone());
     let said = stage.0.borrow().said.clone();
     said.split_inclusive(|byte| *byte == 0)
         .map(|frame| {
@@ -217,20 +243,148 @@ fn another_answer_is_kept_through_a_silence() {
 }
 
 #[test]
-fn nobody_is_missed_before_the_first_tick_or_after_rearming() {
+fn nobody_is_missed_before_the_first_tick_or_after_a_stop() {
     let pause = || Event::Quiet(u64::from(LIMIT_US) * 3);
     let said = said_to(vec![
         start(1),
         pause(),
         tick(2, 0),
+        pause(),
         request(3, &Request::Rearm),
         pause(),
         tick(4, 1),
-        start(5),
-        pause(),
     ]);
-    assert_eq!(numbers(&said), [1, 2, 3, 4, 5]);
-    assert_eq!(acted(&said[3].1).status.fault, None);
+    assert_eq!(numbers(&said), [1, 2, 2, 3, 4]);
+    assert_eq!(acted(&said[4].1).status.fault, None);
+}
+
+#[test]
+fn a_host_that_dies_after_rearming_a_healthy_flight_is_missed() {
+    let almost = || Event::Quiet(u64::from(LIMIT_US) - 1);
+    let said = said_to(vec![
+        start(1),
+        tick(2, 0),
+        almost(),
+        request(3, &Request::Rearm),
+        almost(),
+        request(4, &Request::Rearm),
+        Event::Quiet(u64::from(LIMIT_US) + 1),
+    ]);
+    assert_eq!(
+        numbers(&said),
+        [1, 2, 3, 4, 2],
+        "rearming begins the time anew"
+    );
+    assert_eq!(silent(&said[4].1).action[..2], [0.0; 2]);
+}
+
+#[test]
+fn ticks_that_are_refused_are_no_sign_of_a_host() {
+    let too_many = [0; 4 * 65];
+    let refused = |number| {
+        let values = Floats::from_le_bytes(&too_many).unwrap();
+        let tick = Request::Tick {
+            now_us: 0,
+            sequence: 1,
+            stamp_us: 0,
+            values,
+        };
+        request(number, &tick)
+    };
+    let mut events = vec![start(1), tick(2, 0)];
+    for number in 3..6 {
+        events.extend([Event::Quiet(u64::from(LIMIT_US) / 2), refused(number)]);
+    }
+    let said = said_to(events);
+    assert_eq!(numbers(&said), [1, 2, 3, 4, 2, 5]);
+    silent(&said[4].1);
+}
+
+#[test]
+fn whatever_ends_a_flight_stops_the_plant_first() {
+    let announced = FlashBegin {
+        length: 512,
+        checksum: 0,
+        accept_other_contract: false,
+    };
+    let in_integers = Start {
+        numeric: Numeric::Integer,
+        silence_us: LIMIT_US,
+    };
+    let enders = [
+        request(3, &Request::FlashBegin(announced)),
+        request(3, &Request::Start(in_integers)),
+        start(3),
+    ];
+    for ender in enders {
+        let said = said_to(vec![start(1), tick(2, 0), ender]);
+        assert_eq!(numbers(&said), [1, 2, 2, 3]);
+        let stopped = silent(&said[2].1);
+        assert_eq!(stopped.action[..2], [0.0; 2], "it moves no more");
+        assert_eq!(
+            postcard::from_bytes::<Reply<'_>>(&said[3].1).unwrap(),
+            Reply::Done
+        );
+    }
+}
+
+#[test]
+fn what_is_refused_ends_no_flight() {
+    let too_large = FlashBegin {
+        length: u32::MAX,
+        checksum: 0,
+        accept_other_contract: false,
+    };
+    let in_integers = Start {
+        numeric: Numeric::Integer,
+        silence_us: LIMIT_US,
+    };
+    let enders = [
+        request(3, &Request::FlashBegin(too_large)),
+        request(3, &Request::Start(in_integers)),
+    ];
+    for ender in enders {
+        let mut memory = flash_with(&[&artefact_without_integers()]);
+        let events = vec![start(1), tick(2, 0), ender, tick(4, 1)];
+        let said = said_with(&mut memory, 0, events);
+        assert_eq!(numbers(&said), [1, 2, 3, 4]);
+        let refused = postcard::from_bytes::<Reply<'_>>(&said[2].1).unwrap();
+        assert!(matches!(refused, Reply::Refused(_)), "{refused:?}");
+        assert_eq!(acted(&said[3].1).status.fault, None);
+    }
+}
+
+#[test]
+fn the_device_s_own_computing_is_no_silence() {
+    let late = u64::from(LIMIT_US) * 2;
+    let said = said_by_a_slow_device(late, vec![start(1), tick(2, 0), tick(3, 1), tick(4, 2)]);
+    assert_eq!(numbers(&said), [1, 2, 3, 4]);
+    for (_, message) in &said[1..] {
+        assert_eq!(acted(message).status.fault, None);
+    }
+}
+
+#[test]
+fn bytes_that_came_in_time_are_read_before_silence_is_declared() {
+    let quiet = || Event::Quiet(u64::from(LIMIT_US) - 1);
+    let mut events = vec![start(1), tick(2, 0), quiet()];
+    // The device looks at its clock when the time is over; the tick came long before.
+    let Event::Frame(frame) = tick(3, 1) else {
+        unreachable!("a request is a frame");
+    };
+    events.extend(frame.chunks(7).map(|part| Event::Frame(part.to_vec())));
+    events.push(tick(4, 2));
+    let said = said_with_slow_reading(events);
+    assert_eq!(numbers(&said), [1, 2, 3, 4]);
+}
+
+#[test]
+fn a_line_that_never_rests_is_silent_all_the_same() {
+    let mut events = vec![start(1), tick(2, 0)];
+    events.extend((0..3000).map(|_| Event::Frame(vec![7])));
+    let said = said_with_slow_reading(events);
+    assert_eq!(numbers(&said), [1, 2, 2]);
+    silent(&said[2].1);
 }
 
 #[test]

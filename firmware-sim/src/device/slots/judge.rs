@@ -12,6 +12,8 @@ use crate::proven::Proven;
 pub(super) struct Judged {
     /// The checksum in its header.
     pub(super) checksum: u32,
+    /// Whether it holds networks in integers.
+    pub(super) integers: bool,
     /// What must be the same for the same wiring: see [`wiring`].
     pub(super) wiring: u32,
     /// The task, as far as there is room.
@@ -32,6 +34,7 @@ pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
     let terms = artifact.terms();
     Ok(Judged {
         checksum: artifact.checksum(),
+        integers: artifact.has_integers(),
         wiring: wiring(terms),
         task: name(terms.task),
     })

@@ -1,8 +1,12 @@
 //! Which slot flies, found out from the flash alone.
 
+use ted_policy::ArtifactError;
+
 use super::judge::judge;
 use super::record::{self, Record};
+use super::refusal;
 use super::{Layout, SlotReport};
+use crate::controller::Numeric;
 use crate::device::MappedFlash;
 use crate::device::message::{Name, Refusal};
 
@@ -17,6 +21,8 @@ pub struct Active {
     pub checksum: u32,
     /// The task it was trained for, as far as a greeting has room.
     pub task: Name,
+    /// Whether it can be flown in integers too.
+    pub(super) integers: bool,
     /// What its contract has in common with others of the same wiring.
     pub(super) wiring: u32,
 }
@@ -40,6 +46,20 @@ impl Active {
 }
 
 impl Survey {
+    /// What flies in these numbers.
+    ///
+    /// # Errors
+    /// [`Refusal::NoPolicy`], or the defect that the policy has none.
+    pub(in crate::device) fn flies(&self, numeric: Numeric) -> Result<&Active, Refusal> {
+        match &self.active {
+            None => Err(Refusal::NoPolicy),
+            Some(active) if numeric == Numeric::Integer && !active.integers => {
+                Err(refusal(ArtifactError::NoIntegers))
+            }
+            Some(active) => Ok(active),
+        }
+    }
+
     /// The slot that may be overwritten: the one that does not fly.
     #[must_use]
     pub fn inactive(&self) -> u8 {
@@ -105,6 +125,7 @@ pub(super) fn examine<F: MappedFlash>(
         length: record.length,
         checksum: judged.checksum,
         task: judged.task,
+        integers: judged.integers,
         wiring: judged.wiring,
     })
 }

@@ -22,6 +22,18 @@ pub struct Transfer {
 }
 
 impl Transfer {
+    /// Whether such an artefact could be taken; nothing is touched.
+    ///
+    /// # Errors
+    /// [`Refusal::TooLarge`].
+    pub fn fits<F: MappedFlash>(flash: &F, announced: &FlashBegin) -> Result<(), Refusal> {
+        let limit = Layout::of(flash).room();
+        if announced.length > limit {
+            return Err(Refusal::TooLarge { limit });
+        }
+        Ok(())
+    }
+
     /// Makes the slot's old artefact invalid.
     ///
     /// # Errors
@@ -31,11 +43,8 @@ impl Transfer {
         survey: &Survey,
         announced: FlashBegin,
     ) -> Result<Self, Refusal> {
+        Self::fits(flash, &announced)?;
         let (layout, slot) = (Layout::of(flash), survey.inactive());
-        let limit = layout.room();
-        if announced.length > limit {
-            return Err(Refusal::TooLarge { limit });
-        }
         erase(flash, layout.record(slot))?;
         Ok(Self {
             slot,
