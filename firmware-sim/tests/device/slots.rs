@@ -120,7 +120,7 @@ fn a_slot_that_rots_leaves_the_older_artefact_flying() {
             "byte {at}"
         );
     }
-    for at in 0..20 {
+    for at in 0..24 {
         let mut memory = whole.clone();
         memory.content()[FLASH_BYTES - 4096 + at] ^= 1;
         let found = survey(&memory);
@@ -186,6 +186,46 @@ fn an_artefact_of_another_contract_is_refused_unless_that_is_accepted() {
     let mut connection = connected(flash_with(&[&toy_artefact()]));
     flash(&mut connection, &rewired, true, |_| {}).unwrap();
     assert_eq!(connection.hello().active, Some(1));
+}
+
+#[test]
+fn after_a_rewiring_the_policy_for_the_old_wiring_never_flies_again() {
+    let (old, rewired) = (toy_artefact(), rewired_artefact());
+    let whole = flash_with(&[&old, &rewired]);
+    assert_eq!(flying(&survey(&whole)), Some((1, checksum(&rewired))));
+    let start = FLASH_BYTES / 2;
+    // Neither when the artefact rots nor when its record does.
+    for at in [start + 200, FLASH_BYTES - 4096] {
+        let mut memory = whole.clone();
+        memory.content()[at] ^= 0x10;
+        assert_eq!(flying(&survey(&memory)), None, "byte {at}");
+    }
+}
+
+#[test]
+fn power_that_goes_while_a_rewiring_is_finished_does_not_bring_the_old_wiring_back() {
+    let (old, rewired) = (toy_artefact(), rewired_artefact());
+    let before = flash_with(&[&old]);
+    let whole = flash_with(&[&old, &rewired]);
+    // The last sector to be erased is the old record's.
+    for cut_at in whole.changed() - 4096..whole.changed() {
+        let mut memory = before.clone();
+        let found = survey(&memory);
+        let announced = FlashBegin {
+            length: rewired.len() as u32,
+            checksum: checksum(&rewired),
+            accept_other_contract: true,
+        };
+        let mut transfer = Transfer::begin(&mut memory, &found, announced).unwrap();
+        transfer.write(&mut memory, 0, &rewired).unwrap();
+        memory.cut_power_at(cut_at);
+        let committed = transfer.commit(&mut memory, &found).unwrap();
+        assert_eq!(committed.checksum, checksum(&rewired));
+        memory.restore_power();
+        assert_eq!(flying(&survey(&memory)), Some((1, checksum(&rewired))));
+        memory.content()[FLASH_BYTES / 2 + 200] ^= 1;
+        assert_eq!(flying(&survey(&memory)), None, "cut at {cut_at}");
+    }
 }
 
 #[test]

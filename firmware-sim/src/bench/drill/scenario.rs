@@ -56,6 +56,7 @@ enum Bytes {
 #[derive(Clone, Copy, Debug)]
 enum FlashDamage {
     NewerSlot,
+    Rewired,
     BothSlots,
     CutInData,
     CutInRecord,
@@ -107,6 +108,10 @@ pub fn scenarios() -> Vec<Scenario> {
         named("line never at rest, 4 KiB", Kind::Bytes(Bytes::Endless)),
         named("link silent", Kind::Silence),
         named("newer slot corrupted", Kind::Flash(FlashDamage::NewerSlot)),
+        named(
+            "newer, rewired, corrupted",
+            Kind::Flash(FlashDamage::Rewired),
+        ),
         named("both slots corrupted", Kind::Flash(FlashDamage::BothSlots)),
         named(
             "power cut in the artefact",
@@ -233,12 +238,15 @@ impl Kind {
         let old: &[u8] = &artefacts.old;
         let newest: &[&[u8]] = match self {
             Self::Flash(FlashDamage::NewerSlot | FlashDamage::BothSlots) => &[old, &artefacts.new],
+            Self::Flash(FlashDamage::Rewired) => &[old, &artefacts.rewired],
             _ => &[old],
         };
         let mut flash = MemoryFlash::with_artefacts(bytes, newest)?;
         let newer = Layout::of(&flash).start(1) as usize;
         match self {
-            Self::Flash(FlashDamage::NewerSlot) => flash.content()[newer + 200] ^= 1,
+            Self::Flash(FlashDamage::NewerSlot | FlashDamage::Rewired) => {
+                flash.content()[newer + 200] ^= 1
+            }
             Self::Flash(FlashDamage::BothSlots) => {
                 flash.content()[200] ^= 1;
                 flash.content()[newer + 200] ^= 1;

@@ -70,7 +70,8 @@ impl Survey {
     }
 }
 
-/// Looks at both slots, the one that was finished later first, until one holds an artefact that passes everything.
+/// Looks at both slots, the one that was finished later first, until one holds an artefact that passes everything. An older
+/// artefact for another wiring never flies.
 #[inline(never)]
 pub fn survey<F: MappedFlash>(flash: &F) -> Survey {
     let mut found = Survey::default();
@@ -79,12 +80,16 @@ pub fn survey<F: MappedFlash>(flash: &F) -> Survey {
     let [first, second] = records.map(generation);
     found.newest = first.max(second);
     let order = if second > first { [1, 0] } else { [0, 1] };
+    let mut wiring = None;
     for slot in order {
         let [first, second] = records;
         let Some(record) = (if slot == 0 { first } else { second }) else {
             continue;
         };
-        let report = if found.active.is_some() {
+        // The robot is wired for the artefact that was finished last, even if that one can fly no more.
+        let report = if *wiring.get_or_insert(record.wiring) != record.wiring {
+            SlotReport::Refused(Refusal::OtherContract)
+        } else if found.active.is_some() {
             SlotReport::Standby {
                 checksum: record.checksum,
             }
@@ -139,7 +144,7 @@ fn artefact<F: MappedFlash>(flash: &F, slot: u8, length: u32) -> Option<&[u8]> {
     flash.bytes().get(start..)?.get(..length as usize)
 }
 
-fn read_record<F: MappedFlash>(flash: &F, slot: u8) -> Option<Record> {
+pub(super) fn read_record<F: MappedFlash>(flash: &F, slot: u8) -> Option<Record> {
     let at = Layout::of(flash).record(slot) as usize;
     Record::read(flash.bytes().get(at..)?.get(..record::LENGTH)?)
 }

@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 
 use super::record::{self, Record};
-use super::survey::examine;
+use super::survey::{examine, read_record};
 use super::{Active, Layout, Survey};
 use crate::device::MappedFlash;
 use crate::device::message::{FlashBegin, Refusal};
@@ -110,12 +110,14 @@ impl Transfer {
                 expected: self.written,
             });
         }
-        let record = Record {
+        let mut record = Record {
             length: self.announced.length,
             checksum: self.announced.checksum,
             generation: survey.newest.saturating_add(1),
+            wiring: 0,
         };
         let fresh = examine(flash, self.slot, record)?;
+        record.wiring = fresh.wiring;
         let same = |active: &Active| active.wiring == fresh.wiring;
         if !self.announced.accept_other_contract && !survey.active.as_ref().is_none_or(same) {
             return Err(Refusal::OtherContract);
@@ -123,6 +125,12 @@ impl Transfer {
         flash
             .write(Layout::of(flash).record(self.slot), &record.bytes())
             .map_err(|_| Refusal::Flash)?;
+        let other = 1 - self.slot.min(1);
+        if read_record(flash, other).is_some_and(|old| old.wiring != record.wiring) {
+            // The new record keeps it from flying, and this does when that record rots as well. So a failure is none of the
+            // new artefact's.
+            let _ = erase(flash, Layout::of(flash).record(other));
+        }
         Ok(fresh)
     }
 }
