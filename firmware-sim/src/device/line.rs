@@ -4,7 +4,7 @@ use embedded_io::{Read, ReadReady, Write};
 
 use super::counters::count;
 use super::frame::{self, MAX_FRAME, MAX_REPLY_FRAME};
-use super::message::{Refusal, Reply, Request};
+use super::message::{PROTOCOL_VERSION, Refusal, Reply, Request};
 use super::{Board, Counters, Receiver};
 
 /// Half of all numbers: a number less than that ahead is newer, any other is older.
@@ -58,6 +58,8 @@ pub(super) struct Line<L> {
     reply_length: usize,
     last_number: Option<u16>,
     session: Option<u32>,
+    /// The session before, whose greeting may still be on its way.
+    old_session: Option<u32>,
     pub(super) counters: Counters,
 }
 
@@ -70,6 +72,7 @@ impl<L: Read + ReadReady + Write> Line<L> {
             reply_length: 0,
             last_number: None,
             session: None,
+            old_session: None,
             counters: Counters::default(),
         }
     }
@@ -122,10 +125,15 @@ impl<L: Read + ReadReady + Write> Line<L> {
 
     /// The request that [`Self::wait`] found.
     pub(super) fn request(&self) -> Request<'_> {
-        match parse(self.receiver.body().message) {
-            Some(request) => request,
+        let message = self.receiver.body().message;
+        match (foreign_version(message), parse(message)) {
+            (Some(protocol), _) => Request::Hello {
+                protocol,
+                session: 0,
+            },
+            (None, Some(request)) => request,
             // Ruled out by `is_next`; a question changes nothing.
-            None => Request::Health,
+            (None, None) => Request::Health,
         }
     }
 
@@ -142,18 +150,33 @@ impl<L: Read + ReadReady + Write> Line<L> {
         self.send_reply();
     }
 
+    /// Answers the greeting at hand. One of another version is answered and forgotten: nothing else about its sender may be
+    /// believed.
+    pub(super) fn greet(&mut self, hello: &Reply<'_>) {
+        let body = self.receiver.body();
+        match foreign_version(body.message) {
+            Some(_) => self.say_aside(body.number, hello),
+            None => self.reply(hello),
+        }
+    }
+
     /// Says something about the request of this number without being asked. If that is the last request, it is from now on
     /// the answer to it.
-    #[inline(never)]
-    pub(super) fn tell(&mut self, number: u16, reply: Reply<'_>) {
+    pub(super) fn tell(&mut self, number: u16, reply: &Reply<'_>) {
         if number == self.number() {
             self.reply(reply);
         } else {
-            let mut buffer = [0; MAX_REPLY_FRAME];
-            let length = frame::build(&mut buffer, number, &reply).unwrap_or(0);
-            let frame = buffer.get(..length).unwrap_or_default();
-            send(&mut self.link, frame, &mut self.counters);
+            self.say_aside(number, reply);
         }
+    }
+
+    /// Says something and does not keep it.
+    #[inline(never)]
+    fn say_aside(&mut self, number: u16, reply: &Reply<'_>) {
+        let mut buffer = [0; MAX_REPLY_FRAME];
+        let length = frame::build(&mut buffer, number, reply).unwrap_or(0);
+        let frame = buffer.get(..length).unwrap_or_default();
+        send(&mut self.link, frame, &mut self.counters);
     }
 
     fn send_reply(&mut self) {
@@ -164,11 +187,19 @@ impl<L: Read + ReadReady + Write> Line<L> {
     /// Whether the received frame is to be acted on.
     fn is_next(&mut self) -> bool {
         let body = self.receiver.body();
+        if foreign_version(body.message).is_some() {
+            return true;
+        }
         let (number, request) = (body.number, parse(body.message));
         if let Some(Request::Hello { session, .. }) = request
             && self.session != Some(session)
         {
-            (self.session, self.last_number) = (Some(session), Some(number));
+            if self.old_session == Some(session) {
+                count(&mut self.counters.reordered);
+                return false;
+            }
+            self.old_session = self.session.replace(session);
+            self.last_number = Some(number);
             return true;
         }
         match self.last_number.map(|last| number.wrapping_sub(last)) {
@@ -207,6 +238,14 @@ fn send(link: &mut impl Write, mut frame: &[u8], counters: &mut Counters) {
     }
     if link.flush().is_err() {
         count(&mut counters.link_errors);
+    }
+}
+
+/// The version in a greeting that is not of this one: the only thing of it that may be believed, whatever follows.
+fn foreign_version(message: &[u8]) -> Option<u16> {
+    match postcard::take_from_bytes::<(u8, u16)>(message) {
+        Ok(((0, version), _)) if version != PROTOCOL_VERSION => Some(version),
+        _ => None,
     }
 }
 

@@ -22,7 +22,8 @@ pub enum Request<'a> {
     Hello {
         /// The version that the host speaks.
         protocol: u16,
-        /// A number that this host did not use last time: it tells a new host from an old frame.
+        /// A number that no host used in the last two sessions: it tells a new host from an old frame. The first request has
+        /// its lower half as number.
         session: u32,
     },
     /// Begins an episode: the plant is at rest. Answered with [`Reply::Done`].
@@ -144,6 +145,8 @@ pub enum Reply<'a> {
 pub struct Hello<'a> {
     /// The version that the device speaks. Nothing behind it may be believed of another version.
     pub protocol: u16,
+    /// The session that the host named: another one's is an old reply.
+    pub session: u32,
     /// The board.
     pub board: &'a str,
     /// The version of the firmware.

@@ -86,16 +86,19 @@ where
 {
     let active = survey.active.as_ref();
     let reply = match line.request() {
-        Request::Hello { .. } => Reply::Hello(Hello {
-            protocol: PROTOCOL_VERSION,
-            board: B::NAME,
-            firmware: env!("CARGO_PKG_VERSION"),
-            active: active.map(|active| active.slot),
-            task: active.map_or("", |active| active.task.as_str()),
-            slots: survey.slots,
-            slot_bytes: Layout::of(flash).room(),
-            work_hz: B::WORK_HZ,
-        }),
+        Request::Hello { session, .. } => {
+            return line.greet(&Reply::Hello(Hello {
+                protocol: PROTOCOL_VERSION,
+                session,
+                board: B::NAME,
+                firmware: env!("CARGO_PKG_VERSION"),
+                active: active.map(|active| active.slot),
+                task: active.map_or("", |active| active.task.as_str()),
+                slots: survey.slots,
+                slot_bytes: Layout::of(flash).room(),
+                work_hz: B::WORK_HZ,
+            }));
+        }
         Request::Health => Reply::Health(Health {
             counters: line.counters,
             stack_high_water: board.stack_high_water(),

@@ -16,7 +16,7 @@ pub struct LinkOptions {
     pub timeout: Duration,
     /// How often a request is sent.
     pub tries: u32,
-    /// The session's number: another one than last time.
+    /// The session's number: none of the last two.
     pub session: u32,
 }
 
@@ -84,7 +84,7 @@ impl<S: Read + Write> Connection<S> {
             stream,
             options,
             receiver: Receiver::new(),
-            number: 0,
+            number: before(options.session),
             errors: LinkErrors::default(),
             silent: None,
             hello: DeviceHello {
@@ -124,7 +124,7 @@ impl<S: Read + Write> Connection<S> {
     /// # Errors
     /// As [`Self::open`].
     pub fn greet_anew(&mut self, session: u32) -> Result<(), RemoteError> {
-        self.options.session = session;
+        (self.options.session, self.number) = (session, before(session));
         self.greet()
     }
 
@@ -167,13 +167,12 @@ impl<S: Read + Write> Connection<S> {
         let mut frame = [0; 1 + MAX_FRAME];
         let length = frame::build(&mut frame[1..], self.number, request);
         let length = 1 + length.ok_or(RemoteError::TooLong { asked })?;
-        let is_tick = matches!(request, Request::Tick { .. });
         let mut answered = false;
         for attempt in 0..self.options.tries {
             self.errors.retries += u32::from(attempt > 0);
             self.stream.write_all(&frame[..length])?;
             self.stream.flush()?;
-            answered = self.hear(is_tick)?;
+            answered = self.hear(request)?;
             if answered {
                 break;
             }
@@ -216,14 +215,13 @@ impl<S: Read + Write> Connection<S> {
         Ok(self.take_silent())
     }
 
-    /// Reads until the reply to the present request is in the receiver, or it is time to ask again.
-    fn hear(&mut self, is_tick: bool) -> io::Result<bool> {
+    /// Reads until the reply to this request is in the receiver, or it is time to ask again.
+    fn hear(&mut self, request: &Request<'_>) -> io::Result<bool> {
         let until = Instant::now() + self.options.timeout;
         loop {
             while self.receiver.advance(&mut self.errors.received) {
                 let body = self.receiver.body();
-                let silent = matches!(parse(body.message), Some(Reply::Silent(_)));
-                if body.number == self.number && (is_tick || !silent) {
+                if body.number == self.number && may_answer(request, body.message) {
                     return Ok(true);
                 }
                 self.overhear();
@@ -273,6 +271,22 @@ impl DeviceHello {
             slot_bytes: hello.slot_bytes,
             work_hz: hello.work_hz,
         }
+    }
+}
+
+/// The number before the first of a session. Sessions begin at different numbers, so that an old reply is taken for a new one
+/// as seldom as can be.
+fn before(session: u32) -> u16 {
+    (session as u16).wrapping_sub(1)
+}
+
+/// Whether this can be a reply to that request, rather than something that was said to another host or without being asked.
+fn may_answer(request: &Request<'_>, message: &[u8]) -> bool {
+    match (request, parse(message)) {
+        (Request::Hello { session, .. }, Some(Reply::Hello(hello))) => hello.session == *session,
+        (Request::Hello { .. }, _) => version(message).is_some(),
+        (Request::Tick { .. }, _) => true,
+        (_, reply) => !matches!(reply, Some(Reply::Silent(_))),
     }
 }
 

@@ -63,7 +63,7 @@ fn requests() -> Vec<(&'static str, u16, Request<'static>)> {
     vec![
         (
             "hello",
-            1,
+            7,
             Request::Hello {
                 protocol: 2,
                 session: 7,
@@ -143,9 +143,10 @@ fn replies() -> Vec<(&'static str, u16, Reply<'static>)> {
     vec![
         (
             "hello-reply",
-            1,
+            7,
             Reply::Hello(Hello {
                 protocol: 2,
+                session: 7,
                 board: "mps2-an386",
                 firmware: "0.1.0",
                 active: Some(1),

@@ -184,11 +184,16 @@ fn a_new_host_may_number_as_it_likes_and_an_old_greeting_changes_nothing() {
         framed(501, &Request::Health),
         framed(500, &HELLO),
         framed(1, &other_host),
-        framed(2, &Request::Health),
+        framed(2, &FLY),
+        // An echo of the session before, and one of this session, which must not be acted on twice.
+        framed(500, &HELLO),
+        framed(2, &FLY),
+        framed(3, &Request::Health),
     ]);
     let numbers: Vec<u16> = answers.iter().map(|(number, _)| *number).collect();
-    assert_eq!(numbers, [500, 501, 1, 2]);
-    assert_eq!(counters(&answers[3].1).reordered, 1);
+    assert_eq!(numbers, [500, 501, 1, 2, 2, 3]);
+    let counters = counters(&answers[5].1);
+    assert_eq!((counters.reordered, counters.duplicates), (2, 1));
 }
 
 #[test]
@@ -197,9 +202,21 @@ fn a_host_of_another_version_is_greeted_like_any_other() {
         protocol: 999,
         session: 1,
     };
-    let answers = answers(&[framed(1, &future)]);
-    let (kind, version): (u8, u16) = postcard::take_from_bytes(&answers[0].1).unwrap().0;
-    assert_eq!((kind, version), (0, PROTOCOL_VERSION));
+    let with_more_fields = (future, "of which nothing is known", [1_u8; 30]);
+    let answers = answers(&[
+        framed(1, &HELLO),
+        framed(7, &future),
+        framed(9, &with_more_fields),
+        framed(2, &Request::Health),
+    ]);
+    let numbers: Vec<u16> = answers.iter().map(|(number, _)| *number).collect();
+    assert_eq!(numbers, [1, 7, 9, 2]);
+    for (_, message) in &answers[1..3] {
+        let (kind, version): (u8, u16) = postcard::take_from_bytes(message).unwrap().0;
+        assert_eq!((kind, version), (0, PROTOCOL_VERSION));
+    }
+    let expected = Counters::default();
+    assert_eq!(counters(&answers[3].1), expected, "nothing came of it");
 }
 
 #[test]
@@ -298,6 +315,7 @@ fn the_largest_replies_fit_their_frames() {
     });
     let hello = Reply::Hello(Hello {
         protocol: u16::MAX,
+        session: u32::MAX,
         board: &long,
         firmware: &long,
         active: Some(u8::MAX),

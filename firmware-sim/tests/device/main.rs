@@ -3,6 +3,7 @@
 mod artefacts;
 mod drill;
 mod flight;
+mod host;
 mod link;
 mod scoring;
 mod silence;
