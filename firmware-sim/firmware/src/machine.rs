@@ -41,6 +41,11 @@ impl Board for Machine {
         ticks
     }
 
+    /// The host's files do not: reading waits inside the host.
+    fn notices_silence(&self) -> bool {
+        self.sleeps
+    }
+
     fn stack_high_water(&mut self) -> u32 {
         stack::high_water()
     }

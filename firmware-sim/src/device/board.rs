@@ -4,8 +4,8 @@ use embedded_storage::nor_flash::NorFlash;
 
 /// The parts of a board that are neither link nor flash.
 pub trait Board {
-    /// What the board is called in the greeting, such as `mps2-an386`; at most [`NAME_LENGTH`](super::frame::NAME_LENGTH)
-    /// bytes of it are sent.
+    /// What the board is called in the greeting, such as `mps2-an386`: at most [`NAME_LENGTH`](super::frame::NAME_LENGTH)
+    /// bytes, or it does not compile.
     const NAME: &'static str;
 
     /// Ticks of [`Self::work`] in a second; 0 if that is not known.
@@ -16,6 +16,10 @@ pub trait Board {
 
     /// A counter that runs freely and wraps: the difference of two readings is what went by between them.
     fn work(&mut self) -> u32;
+
+    /// Whether the link's `read_ready` can say that there is nothing. Where it cannot, as reading waits, nobody looks at the
+    /// clock meanwhile, and an episode that is to be watched for silence is refused.
+    fn notices_silence(&self) -> bool;
 
     /// The most stack that was ever in use, in bytes; 0 if that is not known.
     fn stack_high_water(&mut self) -> u32;

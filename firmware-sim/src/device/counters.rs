@@ -17,7 +17,7 @@ pub struct Counters {
     pub reordered: u32,
     /// Requests that never came, by the gaps in their numbers.
     pub dropped: u32,
-    /// Errors of the link's driver, such as an overrun.
+    /// Errors of the link's driver, such as an overrun where the driver reports one; and replies that fit no frame.
     pub link_errors: u32,
 }
 

@@ -7,7 +7,7 @@ use ted_policy::Artifact;
 use super::line::{Event, Line, Patience};
 use super::message::{Acted, Refusal, Reply, Request, Score, Start};
 use super::serve::{Next, answer};
-use super::slots::{Survey, Transfer, refusal};
+use super::slots::{Active, Survey, Transfer, refusal};
 use super::{Board, MappedFlash};
 use crate::controller::{BareController, Numeric};
 use crate::proven::Proven;
@@ -34,7 +34,7 @@ where
     F: MappedFlash,
     B: Board,
 {
-    let active = match survey.flies(start.numeric) {
+    let active = match may_fly(board, survey, start) {
         Ok(active) => active,
         Err(refusal) => {
             line.reply(&Reply::Refused(refusal));
@@ -52,6 +52,18 @@ where
             Next::Survey
         }
     }
+}
+
+/// What flies when an episode is started like that.
+fn may_fly<'s>(
+    board: &impl Board,
+    survey: &'s Survey,
+    start: Start,
+) -> Result<&'s Active, Refusal> {
+    if start.silence_us > 0 && !board.notices_silence() {
+        return Err(Refusal::CannotWatch);
+    }
+    survey.flies(start.numeric)
 }
 
 // The functions below are apart, and kept apart, so that what only one of them needs is on the stack while it runs and no
@@ -139,7 +151,7 @@ impl Flyer<'_, '_> {
                         line.reply(Reply::Done);
                     }
                     // What ends the flight is refused while it lasts, or stops the plant first.
-                    Request::Start(next) => match survey.flies(next.numeric) {
+                    Request::Start(next) => match may_fly(board, survey, next) {
                         Err(refusal) => line.reply(&Reply::Refused(refusal)),
                         Ok(_) => {
                             self.stop(line, watch.take(), start.silence_us);

@@ -146,7 +146,10 @@ impl<L: Read + ReadReady + Write> Line<L> {
     // By value: a constant that is borrowed would lie in flash, all 136 bytes of it.
     pub(super) fn reply(&mut self, reply: Reply<'_>) {
         let number = self.number();
-        self.reply_length = frame::build(&mut self.reply, number, &reply).unwrap_or(0);
+        self.reply_length = frame::build(&mut self.reply, number, reply).unwrap_or_else(|| {
+            count(&mut self.counters.link_errors);
+            0
+        });
         self.send_reply();
     }
 
@@ -174,9 +177,10 @@ impl<L: Read + ReadReady + Write> Line<L> {
     #[inline(never)]
     fn say_aside(&mut self, number: u16, reply: &Reply<'_>) {
         let mut buffer = [0; MAX_REPLY_FRAME];
-        let length = frame::build(&mut buffer, number, reply).unwrap_or(0);
-        let frame = buffer.get(..length).unwrap_or_default();
-        send(&mut self.link, frame, &mut self.counters);
+        match frame::build(&mut buffer, number, reply).and_then(|length| buffer.get(..length)) {
+            Some(frame) => send(&mut self.link, frame, &mut self.counters),
+            None => count(&mut self.counters.link_errors),
+        }
     }
 
     fn send_reply(&mut self) {

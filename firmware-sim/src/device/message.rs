@@ -242,6 +242,8 @@ pub enum Refusal {
     CannotScore,
     /// A logged step has more or fewer values than the contract.
     OtherShape,
+    /// The link cannot say that nothing comes, so its silence would never be noticed.
+    CannotWatch,
 }
 
 impl Refusal {
@@ -262,6 +264,7 @@ impl Refusal {
             Self::OtherContract => 11,
             Self::CannotScore => 12,
             Self::OtherShape => 13,
+            Self::CannotWatch => 14,
         }
     }
 }

@@ -3,9 +3,9 @@
 use embedded_io::{Read, ReadReady, Write};
 
 use super::line::{Event, Line};
-use super::message::{FlashBegin, Reply, Request};
+use super::message::{FlashBegin, Refusal, Reply, Request};
 use super::serve::{Next, answer};
-use super::slots::{SlotReport, Survey, Transfer};
+use super::slots::{self, SlotReport, Survey, Transfer};
 use super::{Board, MappedFlash};
 
 /// Answers a [`Request::FlashBegin`] and what follows it, until the artefact is judged or the host wants something else.
@@ -47,15 +47,19 @@ where
                     line.reply(reply);
                 }
                 Request::FlashCommit => {
-                    let reply = match transfer.commit(flash, survey) {
-                        Ok(active) => Reply::Flashed {
-                            slot: active.slot,
-                            checksum: active.checksum,
+                    let taken = transfer.commit(flash, survey);
+                    // What flies is what a device finds that is switched on now.
+                    *survey = slots::survey(flash);
+                    let reply = match taken {
+                        Ok(fresh) if survey.active.as_ref() == Some(&fresh) => Reply::Flashed {
+                            slot: fresh.slot,
+                            checksum: fresh.checksum,
                         },
+                        Ok(_) => Reply::Refused(Refusal::Flash),
                         Err(refusal) => Reply::Refused(refusal),
                     };
-                    line.reply(reply);
-                    return Next::Survey;
+                    line.reply(&reply);
+                    return Next::Rest;
                 }
                 Request::FlashBegin(announced) => return Next::Receive(announced),
                 Request::Start(start) => return Next::Fly(start),

@@ -3,6 +3,7 @@
 use embedded_io::{Read, ReadReady, Write};
 
 use super::fly::fly;
+use super::frame::NAME_LENGTH;
 use super::line::{Event, Line};
 use super::message::{FlashBegin, Health, Hello, PROTOCOL_VERSION, Refusal, Reply, Request, Start};
 use super::receive_artefact::receive_artefact;
@@ -12,6 +13,8 @@ use super::{Board, MappedFlash};
 /// The other end of the link is gone for good: its `read` gave nothing. A serial port never says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkClosed;
+
+const FIRMWARE: &str = env!("CARGO_PKG_VERSION");
 
 /// What a device does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,6 +87,10 @@ where
     F: MappedFlash,
     B: Board,
 {
+    // A greeting that does not fit its frame would never be answered.
+    const {
+        assert!(B::NAME.len() <= NAME_LENGTH && FIRMWARE.len() <= NAME_LENGTH);
+    }
     let active = survey.active.as_ref();
     let reply = match line.request() {
         Request::Hello { session, .. } => {
@@ -91,7 +98,7 @@ where
                 protocol: PROTOCOL_VERSION,
                 session,
                 board: B::NAME,
-                firmware: env!("CARGO_PKG_VERSION"),
+                firmware: FIRMWARE,
                 active: active.map(|active| active.slot),
                 task: active.map_or("", |active| active.task.as_str()),
                 slots: survey.slots,

@@ -50,6 +50,12 @@ pub enum RemoteError {
         /// What it was asked to do.
         asked: &'static str,
     },
+    /// The device took an artefact and flies another one.
+    #[error(
+        "put the artefact into service: the device took it and flies another one; send it again, and if that does not help, \
+         its flash is broken"
+    )]
+    NotFlying,
     /// The device did not do it, for a reason of its own.
     #[error("{asked}: the device refused, {refusal}")]
     Refused {
@@ -70,9 +76,10 @@ impl RemoteError {
                 .get_ref()
                 .and_then(|source| source.downcast_ref::<QemuError>())
                 .map_or(ExitCode::Environment, QemuError::exit_code),
-            Self::Silent { .. } | Self::Version { .. } | Self::Unexpected { .. } => {
-                ExitCode::Environment
-            }
+            Self::Silent { .. }
+            | Self::Version { .. }
+            | Self::Unexpected { .. }
+            | Self::NotFlying => ExitCode::Environment,
             Self::TooLong { .. } => ExitCode::BadInput,
             Self::Refused { refusal, .. } => match refusal {
                 Refusal::Golden { .. } => ExitCode::Faulted,
@@ -84,6 +91,7 @@ impl RemoteError {
                 | Refusal::CannotScore
                 | Refusal::OtherShape => ExitCode::BadInput,
                 Refusal::Malformed
+                | Refusal::CannotWatch
                 | Refusal::NotStarted
                 | Refusal::NotAnnounced
                 | Refusal::Offset { .. }

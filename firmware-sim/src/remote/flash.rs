@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use super::{Connection, RemoteError};
 use crate::device::frame::CHUNK_LENGTH;
 use crate::device::message::{FlashBegin, Reply, Request};
+use crate::device::slots::SlotReport;
 
 /// Where the checksum is in an artefact's header.
 const CHECKSUM_AT: usize = 12;
@@ -32,7 +33,8 @@ pub struct Flashed {
 /// Whatever goes wrong on the way, the policy that flew before flies on.
 ///
 /// # Errors
-/// When the device cannot be reached, or refuses the artefact; the refusal says why.
+/// When the device cannot be reached, or refuses the artefact; the refusal says why. Or when the device does not fly it
+/// although it says so.
 pub fn flash<S: Read + Write>(
     connection: &mut Connection<S>,
     artefact: &[u8],
@@ -41,10 +43,11 @@ pub fn flash<S: Read + Write>(
 ) -> Result<Flashed, RemoteError> {
     let total = artefact.len();
     let checksum = artefact.get(CHECKSUM_AT..).and_then(<[u8]>::first_chunk);
+    let announced = checksum.map(|bytes| u32::from_le_bytes(*bytes));
     let begin = Request::FlashBegin(FlashBegin {
         // What does not fit 32 bits fits no device either, and is refused as that.
         length: u32::try_from(total).unwrap_or(u32::MAX),
-        checksum: checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes)),
+        checksum: announced.unwrap_or(0),
         accept_other_contract,
     });
     done(connection, "announce the artefact", &begin)?;
@@ -63,7 +66,11 @@ pub fn flash<S: Read + Write>(
         _ => return Err(RemoteError::Unexpected { asked }),
     };
     connection.greet()?;
-    Ok(flashed)
+    let slot = connection.hello().slots.get(usize::from(flashed.slot));
+    match slot {
+        Some(SlotReport::Active { checksum }) if Some(*checksum) == announced => Ok(flashed),
+        _ => Err(RemoteError::NotFlying),
+    }
 }
 
 fn done<S: Read + Write>(

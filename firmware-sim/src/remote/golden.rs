@@ -294,6 +294,7 @@ fn codes_are_the_numbers_on_the_wire_plus_one() {
         Refusal::OtherContract,
         Refusal::CannotScore,
         Refusal::OtherShape,
+        Refusal::CannotWatch,
     ];
     for refusal in refusals {
         let wire = postcard::to_allocvec(&refusal).expect("it fits");

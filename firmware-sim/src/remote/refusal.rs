@@ -38,6 +38,9 @@ impl fmt::Display for Refusal {
             Self::OtherShape => {
                 f.write_str("an observation or an action has another length than the contract says")
             }
+            Self::CannotWatch => f.write_str(
+                "its link cannot notice a silence: use a serial port, or fly in lockstep with a silence of 0",
+            ),
         }
     }
 }

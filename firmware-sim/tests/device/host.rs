@@ -6,9 +6,9 @@ use std::io::{self, ErrorKind, Read, Write};
 use firmware_sim::device::frame::{self, MAX_FRAME};
 use firmware_sim::device::message::{Hello, PROTOCOL_VERSION, Reply, Request};
 use firmware_sim::device::slots::SlotReport;
-use firmware_sim::remote::{Connection, LinkOptions};
+use firmware_sim::remote::{Connection, LinkOptions, RemoteError, flash};
 
-use super::artefacts::QUICK;
+use super::artefacts::{QUICK, checksum, toy_artefact};
 
 /// A device that answers each request as a function says, by number and message.
 struct Puppet<F> {
@@ -102,4 +102,33 @@ fn an_old_host_s_reply_is_not_taken_for_an_own_one() {
     let connection = Connection::open(device, options).unwrap();
     assert_eq!(connection.hello().board, "new");
     assert_eq!(connection.errors().stale, 2);
+}
+
+#[test]
+fn a_device_that_says_flashed_and_flies_another_artefact_is_not_believed() {
+    let artefact = toy_artefact();
+    let sent = checksum(&artefact);
+    for (found, believed) in [(sent, true), (sent ^ 1, false)] {
+        let device = puppet(|number, request| {
+            let slots = [SlotReport::Empty, SlotReport::Active { checksum: found }];
+            let reply = match request {
+                Request::Hello { session, .. } => greeting(session, "puppet", slots),
+                Request::FlashCommit => Reply::Flashed {
+                    slot: 1,
+                    checksum: sent,
+                },
+                _ => Reply::Done,
+            };
+            vec![(number, reply)]
+        });
+        let mut connection = Connection::open(device, QUICK).unwrap();
+        let flashed = flash(&mut connection, &artefact, false, |_| {});
+        match flashed {
+            Ok(_) => assert!(believed),
+            Err(error) => assert!(
+                !believed && matches!(error, RemoteError::NotFlying),
+                "{error}"
+            ),
+        }
+    }
 }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use firmware_sim::bench::MemoryFlash;
 use firmware_sim::controller::Numeric;
-use firmware_sim::device::message::{Acted, FlashBegin, Floats, Reply, Request, Start};
+use firmware_sim::device::message::{Acted, FlashBegin, Floats, Refusal, Reply, Request, Start};
 use firmware_sim::device::{Board, frame, serve};
 use firmware_sim::safety::Fault;
 
@@ -32,6 +32,8 @@ struct World {
     work_us: u64,
     /// How long it takes to read.
     read_us: u64,
+    /// Whether its link cannot say that there is nothing to read.
+    waits_in_read: bool,
 }
 
 /// The device's link and its board, which are two views of one world.
@@ -88,6 +90,10 @@ impl Board for Stage {
         let mut world = self.0.borrow_mut();
         world.now_us += world.work_us;
         0
+    }
+
+    fn notices_silence(&self) -> bool {
+        !self.0.borrow().waits_in_read
     }
 
     fn stack_high_water(&mut self) -> u32 {
@@ -410,4 +416,21 @@ fn with_a_silence_of_zero_time_stands_still() {
         tick(3, 1),
     ]);
     assert_eq!(numbers(&said), [1, 2, 3]);
+}
+
+#[test]
+fn a_link_that_cannot_notice_silence_flies_in_lockstep_only() {
+    let stage = Stage::default();
+    stage.0.borrow_mut().waits_in_read = true;
+    let lockstep = request(2, &Request::Start(Start::default()));
+    let events = vec![start(1), lockstep, tick(3, 0), start(4), tick(5, 1)];
+    let said = played(stage, &mut flash_with(&[&toy_artefact()]), events);
+    assert_eq!(numbers(&said), [1, 2, 3, 4, 5]);
+    for refused in [&said[0].1, &said[3].1] {
+        assert_eq!(
+            postcard::from_bytes::<Reply<'_>>(refused).unwrap(),
+            Reply::Refused(Refusal::CannotWatch)
+        );
+    }
+    assert_eq!(acted(&said[4].1).status.fault, None);
 }

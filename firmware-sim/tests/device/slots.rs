@@ -1,15 +1,18 @@
 //! Two slots: whatever happens to one, the other flies.
 
-use firmware_sim::bench::MemoryFlash;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use firmware_sim::bench::{FlashFault, HostBoard, MemoryFlash, cable};
 use firmware_sim::device::message::{FlashBegin, Refusal, Start};
 use firmware_sim::device::slots::{SlotReport, Survey, Transfer, survey};
+use firmware_sim::device::{MappedFlash, serve};
 use firmware_sim::plants::toy::ToyPlant;
-use firmware_sim::remote::{Flashed, Progress, RemoteController, RemoteError, flash};
+use firmware_sim::remote::{Connection, Flashed, Progress, RemoteController, RemoteError, flash};
 use firmware_sim::rollout::fly_episode;
 use ted_policy::Artifact;
 
 use super::artefacts::{
-    FLASH_BYTES, checksum, connected, flash_with, other_artefact, rewired_artefact, toy_artefact,
+    FLASH_BYTES, QUICK, checksum, connected, flash_with, other_artefact, rewired_artefact,
+    toy_artefact,
 };
 
 fn flying(found: &Survey) -> Option<(u8, u32)> {
@@ -333,4 +336,61 @@ fn bytes_that_are_not_the_next_ones_are_refused_and_change_nothing() {
     assert_eq!(transfer.commit(&mut memory, &found).map(|_| ()), expected);
     assert_eq!(memory.changed(), changed);
     assert_eq!(transfer.write(&mut memory, 512, &[1; 88]), Ok(()));
+}
+
+/// A flash that says it has written a record and has not.
+struct Forgetful(MemoryFlash);
+
+impl ErrorType for Forgetful {
+    type Error = FlashFault;
+}
+
+impl ReadNorFlash for Forgetful {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashFault> {
+        self.0.read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl NorFlash for Forgetful {
+    const WRITE_SIZE: usize = MemoryFlash::WRITE_SIZE;
+    const ERASE_SIZE: usize = MemoryFlash::ERASE_SIZE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashFault> {
+        self.0.erase(from, to)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashFault> {
+        match offset as usize == FLASH_BYTES - Self::ERASE_SIZE {
+            true => Ok(()),
+            false => self.0.write(offset, bytes),
+        }
+    }
+}
+
+impl MappedFlash for Forgetful {
+    fn bytes(&self) -> &[u8] {
+        self.0.bytes()
+    }
+}
+
+#[test]
+fn a_record_that_was_not_written_is_noticed_before_the_answer() {
+    let old = toy_artefact();
+    let mut memory = Forgetful(flash_with(&[&old]));
+    let (near, far) = cable();
+    let device = std::thread::spawn(move || serve(far, &mut memory, &mut HostBoard::new()));
+    let mut connection = Connection::open(near, QUICK).unwrap();
+    let error = flash(&mut connection, &other_artefact(), false, |_| {}).unwrap_err();
+    assert!(
+        matches!(error, RemoteError::Refused { refusal, .. } if refusal == Refusal::Flash),
+        "{error}"
+    );
+    drop(connection);
+    device.join().unwrap();
 }

@@ -16,6 +16,7 @@ pub struct Outside {
     program: extern "C" fn(u32, *const u8, usize) -> bool,
     now_us: extern "C" fn() -> u64,
     work: extern "C" fn() -> u32,
+    notices_silence: extern "C" fn() -> bool,
     flash: *const u8,
     flash_length: usize,
 }
@@ -111,6 +112,10 @@ impl Board for Parts<'_> {
 
     fn work(&mut self) -> u32 {
         (self.0.work)()
+    }
+
+    fn notices_silence(&self) -> bool {
+        (self.0.notices_silence)()
     }
 
     fn stack_high_water(&mut self) -> u32 {
