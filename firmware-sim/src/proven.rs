@@ -6,27 +6,36 @@ use ted_policy::{Artifact, ArtifactError};
 
 use crate::controller::Numeric;
 
-/// The proof that this machine computes the golden vectors of an artefact, and in which numbers it did.
+/// An artefact whose golden vectors this machine has computed, and in which numbers it did.
 #[derive(Clone, Copy, Debug)]
-pub struct Proven(Numeric);
+pub struct Proven<'p, 'a> {
+    artifact: &'p Artifact<'a>,
+    numeric: Numeric,
+}
 
-impl Proven {
+impl<'p, 'a> Proven<'p, 'a> {
     /// Computes every golden vector of the artefact and compares the bits.
     ///
     /// # Errors
     /// The golden vector that came out differently, or that the artefact has no networks in these numbers.
-    pub fn of(artifact: &Artifact<'_>, numeric: Numeric) -> Result<Self, ArtifactError> {
+    pub fn of(artifact: &'p Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
         match numeric {
             Numeric::F32 => in_floats(artifact)?,
             Numeric::Integer => in_integers(artifact)?,
         }
-        Ok(Self(numeric))
+        Ok(Self { artifact, numeric })
+    }
+
+    /// The artefact.
+    #[must_use]
+    pub const fn artifact(self) -> &'p Artifact<'a> {
+        self.artifact
     }
 
     /// The numbers.
     #[must_use]
     pub const fn numeric(self) -> Numeric {
-        self.0
+        self.numeric
     }
 }
 

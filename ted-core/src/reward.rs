@@ -63,7 +63,7 @@ impl<'a> RewardEnsemble<'a> {
         Ok(ensemble)
     }
 
-    /// An ensemble without members, which predicts 0: a place for [`Self::fill`].
+    /// An ensemble without members, a place for [`Self::fill`]: before that it predicts nothing.
     #[must_use]
     pub const fn unfilled() -> Self {
         Self {

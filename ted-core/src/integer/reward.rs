@@ -61,7 +61,7 @@ impl<'a> IntegerRewardEnsemble<'a> {
         Ok(ensemble)
     }
 
-    /// An ensemble without members, whose sum is 0: a place for [`Self::fill`].
+    /// An ensemble without members, a place for [`Self::fill`]: before that it is not to be asked.
     #[must_use]
     pub const fn unfilled() -> Self {
         Self {

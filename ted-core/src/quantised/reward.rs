@@ -33,7 +33,7 @@ impl<'a> QuantisedRewardEnsemble<'a> {
         })
     }
 
-    /// An ensemble without members, whose sum is 0: a place for [`Self::fill`].
+    /// An ensemble without members, a place for [`Self::fill`]: before that it is not to be asked.
     #[must_use]
     pub const fn unfilled() -> Self {
         Self {
