@@ -37,7 +37,7 @@ where
     let active = match may_fly(board, survey, start) {
         Ok(active) => active,
         Err(refusal) => {
-            line.reply(&Reply::Refused(refusal));
+            line.reply(Reply::Refused(refusal));
             return Next::Rest;
         }
     };
@@ -134,7 +134,7 @@ impl Flyer<'_, '_> {
         B: Board,
     {
         let mut workspace = Workspace::new(start.numeric);
-        line.reply(&Reply::Done);
+        line.reply(Reply::Done);
         let mut watch: Option<Watch> = None;
         loop {
             let patience = watch.as_mut().map(|watch| &mut watch.patience);
@@ -161,7 +161,7 @@ impl Flyer<'_, '_> {
                     }
                     // What ends the flight is refused while it lasts, or stops the plant first.
                     Request::Start(next) => match may_fly(board, survey, next) {
-                        Err(refusal) => line.reply(&Reply::Refused(refusal)),
+                        Err(refusal) => line.reply(Reply::Refused(refusal)),
                         Ok(_) => {
                             self.stop(line, watch.take(), start.silence_us);
                             if next.numeric != start.numeric {
@@ -169,11 +169,11 @@ impl Flyer<'_, '_> {
                             }
                             start = next;
                             self.reset();
-                            line.reply(&Reply::Done);
+                            line.reply(Reply::Done);
                         }
                     },
                     Request::FlashBegin(announced) => match Transfer::fits(flash, &announced) {
-                        Err(refusal) => line.reply(&Reply::Refused(refusal)),
+                        Err(refusal) => line.reply(Reply::Refused(refusal)),
                         Ok(()) => {
                             self.stop(line, watch.take(), start.silence_us);
                             return Next::Receive(announced);
@@ -230,7 +230,7 @@ impl Flyer<'_, '_> {
         };
         let mut room = [0.0; MAX_OBSERVATION];
         let Some(values) = values.copy_to(&mut room) else {
-            line.reply(&Reply::Refused(Refusal::Malformed));
+            line.reply(Reply::Refused(Refusal::Malformed));
             return false;
         };
         let frame = ObservationFrame {

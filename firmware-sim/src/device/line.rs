@@ -146,7 +146,7 @@ impl<L: Read + ReadReady + Write> Line<L> {
     // By value: a constant that is borrowed would lie in flash, all 136 bytes of it.
     pub(super) fn reply(&mut self, reply: Reply<'_>) {
         let number = self.number();
-        self.reply_length = frame::build(&mut self.reply, number, reply).unwrap_or_else(|| {
+        self.reply_length = frame::build(&mut self.reply, number, &reply).unwrap_or_else(|| {
             count(&mut self.counters.link_errors);
             0
         });
@@ -155,21 +155,21 @@ impl<L: Read + ReadReady + Write> Line<L> {
 
     /// Answers the greeting at hand. One of another version is answered and forgotten: nothing else about its sender may be
     /// believed.
-    pub(super) fn greet(&mut self, hello: &Reply<'_>) {
+    pub(super) fn greet(&mut self, hello: Reply<'_>) {
         let body = self.receiver.body();
         match foreign_version(body.message) {
-            Some(_) => self.say_aside(body.number, hello),
+            Some(_) => self.say_aside(body.number, &hello),
             None => self.reply(hello),
         }
     }
 
     /// Says something about the request of this number without being asked. If that is the last request, it is from now on
     /// the answer to it.
-    pub(super) fn tell(&mut self, number: u16, reply: &Reply<'_>) {
+    pub(super) fn tell(&mut self, number: u16, reply: Reply<'_>) {
         if number == self.number() {
             self.reply(reply);
         } else {
-            self.say_aside(number, reply);
+            self.say_aside(number, &reply);
         }
     }
 

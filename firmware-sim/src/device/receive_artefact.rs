@@ -58,7 +58,7 @@ where
                         Ok(_) => Reply::Refused(Refusal::Flash),
                         Err(refusal) => Reply::Refused(refusal),
                     };
-                    line.reply(&reply);
+                    line.reply(reply);
                     return Next::Rest;
                 }
                 Request::FlashBegin(announced) => return Next::Receive(announced),

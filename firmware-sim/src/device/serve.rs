@@ -94,7 +94,7 @@ where
     let active = survey.active.as_ref();
     let reply = match line.request() {
         Request::Hello { session, .. } => {
-            return line.greet(&Reply::Hello(Hello {
+            return line.greet(Reply::Hello(Hello {
                 protocol: PROTOCOL_VERSION,
                 session,
                 board: B::NAME,
