@@ -23,7 +23,7 @@ const STOPPED_BY_APPLICATION: usize = 0x20026;
 static PRESENT: AtomicBool = AtomicBool::new(false);
 
 unsafe extern "C" {
-    fn ted_ask_host(operation: usize, argument: *const usize) -> usize;
+    fn ted_ask_host(operation: usize, argument: *mut usize) -> usize;
 }
 
 // The handler is entered by the processor: the first words of the interrupted stack are r0 to r3, r12, lr, pc and xpsr.
@@ -72,9 +72,9 @@ pub struct File(usize);
 /// The words that the host was started with for this program, if there is a host and they fit. A zero
 /// ends them.
 pub fn command_line(into: &mut [u8]) -> Option<&mut [u8]> {
-    let block = [into.as_mut_ptr() as usize, into.len()];
-    // SAFETY: the block names memory that is ours to write, and its length.
-    let answer = unsafe { ask(GET_COMMAND_LINE, &block) };
+    let mut block = [into.as_mut_ptr() as usize, into.len()];
+    // SAFETY: the block names memory that is ours to write, and its length, which the host replaces by that of the words.
+    let answer = unsafe { ask(GET_COMMAND_LINE, &mut block) };
     PRESENT.store(answer == 0, Ordering::Relaxed);
     if answer == 0 { Some(into) } else { None }
 }
@@ -82,26 +82,26 @@ pub fn command_line(into: &mut [u8]) -> Option<&mut [u8]> {
 /// Opens a file of the host, by a path that ends with zero.
 pub fn open(path: &[u8], mode: Mode) -> Option<File> {
     let [path @ .., 0] = path else { return None };
-    let block = [path.as_ptr() as usize, mode as usize, path.len()];
+    let mut block = [path.as_ptr() as usize, mode as usize, path.len()];
     // SAFETY: the block names a path that ends with zero, and its length.
-    let handle = unsafe { ask(OPEN, &block) };
+    let handle = unsafe { ask(OPEN, &mut block) };
     (handle != REFUSED).then_some(File(handle))
 }
 
 impl File {
     /// Reads at least one byte, and waits for it; none at the end of the file.
     pub fn read(self, into: &mut [u8]) -> usize {
-        let block = [self.0, into.as_mut_ptr() as usize, into.len()];
+        let mut block = [self.0, into.as_mut_ptr() as usize, into.len()];
         // SAFETY: the block names memory that is ours to write, and its length.
-        let left = unsafe { ask(READ, &block) };
+        let left = unsafe { ask(READ, &mut block) };
         into.len().saturating_sub(left)
     }
 
     /// Writes, and returns how many bytes were taken.
     pub fn write(self, bytes: &[u8]) -> usize {
-        let block = [self.0, bytes.as_ptr() as usize, bytes.len()];
+        let mut block = [self.0, bytes.as_ptr() as usize, bytes.len()];
         // SAFETY: the block names memory that is only read, and its length.
-        let left = unsafe { ask(WRITE, &block) };
+        let left = unsafe { ask(WRITE, &mut block) };
         bytes.len().saturating_sub(left)
     }
 }
@@ -111,17 +111,17 @@ impl File {
 pub fn exit(words: &CStr, status: usize) {
     if PRESENT.load(Ordering::Relaxed) {
         // SAFETY: the words end with zero and are only read.
-        unsafe { ted_ask_host(WRITE_LINE, words.as_ptr().cast()) };
+        unsafe { ted_ask_host(WRITE_LINE, words.as_ptr().cast_mut().cast()) };
         // SAFETY: the block is what this call takes.
-        unsafe { ask(EXIT_EXTENDED, &[STOPPED_BY_APPLICATION, status]) };
+        unsafe { ask(EXIT_EXTENDED, &mut [STOPPED_BY_APPLICATION, status]) };
     }
 }
 
-/// Asks the host.
+/// Asks the host, which writes into the block where the operation says so.
 ///
 /// # Safety
 /// The block must be what the operation takes, and what it names must be ours.
-unsafe fn ask(operation: usize, block: &[usize]) -> usize {
+unsafe fn ask(operation: usize, block: &mut [usize]) -> usize {
     // SAFETY: the caller promises it. A host keeps the registers that a function keeps.
-    unsafe { ted_ask_host(operation, block.as_ptr()) }
+    unsafe { ted_ask_host(operation, block.as_mut_ptr()) }
 }
