@@ -21,7 +21,7 @@ Examples:
 The board writes the artefact into the slot that does not fly, and flies it once it has found it good: checksum, contract, \
 golden vectors in all numbers. Whatever happens before that, a power cut included, the policy that flew before flies on.
 
-Exit codes: 0 it flies, 2 usage, 3 the artefact is broken or has another contract, 4 QEMU or the firmware is missing or \
+Exit codes: 0 it flies, 2 usage, 3 the artefact is broken or has another contract, or the file is no flash, 4 QEMU or the firmware is missing or \
 failed, 5 another board uses the file, 6 the file cannot be written, 7 the board does not compute its golden vectors, \
 130 interrupted.";
 

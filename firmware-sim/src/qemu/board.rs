@@ -63,7 +63,7 @@ impl Board {
 }
 
 /// The flash for artefacts, as large as the memory that plays it.
-const FLASH_BYTES: u64 = 16 << 20;
+pub(super) const FLASH_BYTES: u64 = 16 << 20;
 
 impl fmt::Display for Board {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

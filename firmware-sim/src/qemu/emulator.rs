@@ -7,6 +7,7 @@ use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use super::board::FLASH_BYTES;
 use super::{Board, Device, Firmware, Link, QemuError};
 
 /// Names the emulator to use, if it is not the one on the path.
@@ -76,7 +77,8 @@ impl Emulator {
     /// The device ends at the latest with the thread that started it, however that ends.
     ///
     /// # Errors
-    /// When no process can be started, or the file cannot be written or belongs to another board. What is wrong with it afterwards is found on the first use of the device.
+    /// When no process can be started, or the file cannot be written, is something else than a flash, or belongs to another
+    /// board. What is wrong with it afterwards is found on the first use of the device.
     pub fn start(
         &self,
         firmware: &Firmware,
@@ -109,7 +111,7 @@ impl Emulator {
     }
 }
 
-/// Opens the file of a flash for one board alone. The lock ends with the board.
+/// Opens the file of a flash for one board alone, if it is one or new. The lock ends with the board.
 fn lock(path: &Path) -> Result<File, QemuError> {
     let open = OpenOptions::new()
         .read(true)
@@ -123,7 +125,14 @@ fn lock(path: &Path) -> Result<File, QemuError> {
     };
     let file = open.map_err(failed)?;
     match file.try_lock() {
-        Ok(()) => Ok(file),
+        // The board writes to it from its first artefact on, so it must not be somebody's film.
+        Ok(()) => match file.metadata().map_err(failed)?.len() {
+            0 | FLASH_BYTES => Ok(file),
+            found => Err(QemuError::NoFlashImage {
+                path: path.to_owned(),
+                found,
+            }),
+        },
         Err(TryLockError::WouldBlock) => Err(QemuError::FlashInUse {
             path: path.to_owned(),
         }),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::board::FLASH_BYTES;
 use super::{Board, EMULATOR_VARIABLE, FIRMWARE_VARIABLE};
 use crate::exit::ExitCode;
 use crate::last_words::LastWords;
@@ -77,6 +78,17 @@ pub enum QemuError {
         /// What the operating system said.
         source: io::Error,
     },
+    /// The file is something else.
+    #[error(
+        "use the flash image {path}: it has {found} bytes and a flash {FLASH_BYTES}, so it is something else and is left \
+         alone; name a file that is not there yet"
+    )]
+    NoFlashImage {
+        /// The file.
+        path: PathBuf,
+        /// Its length in bytes.
+        found: u64,
+    },
     /// Another board runs from the file.
     #[error(
         "use the flash image {path}: another board runs from it; wait for its end, or name another file"
@@ -119,6 +131,7 @@ impl QemuError {
             Self::Interrupted { .. } => ExitCode::Interrupted,
             Self::FlashInUse { .. } => ExitCode::Busy,
             Self::FlashImage { .. } => ExitCode::Storage,
+            Self::NoFlashImage { .. } => ExitCode::BadInput,
             _ => ExitCode::Environment,
         }
     }

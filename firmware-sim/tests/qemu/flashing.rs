@@ -1,5 +1,7 @@
 //! The plug is pulled while an artefact is sent: what flew before flies on, from the same file of flash.
 
+use std::fs;
+
 use firmware_sim::controller::Numeric;
 use firmware_sim::device::message::{FlashBegin, Request};
 use firmware_sim::device::slots::SlotReport;
@@ -78,4 +80,18 @@ fn a_file_of_flash_belongs_to_one_board_at_a_time() {
     assert!(words.contains("another board runs from it"), "{words}");
     drop(first);
     fleet.connect().unwrap();
+}
+
+#[test]
+fn a_file_that_is_no_flash_is_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("film");
+    for length in [1, (16 << 20) - 1, (16 << 20) + 1] {
+        let bytes = vec![0x47; length];
+        fs::write(&film, &bytes).unwrap();
+        let fleet = boards::fleet(Board::An386, Link::Fifo, Some(&film));
+        let words = fleet.connect().map(|_| ()).unwrap_err().to_string();
+        assert!(words.contains("it is something else"), "{words}");
+        assert!(fs::read(&film).unwrap() == bytes);
+    }
 }
