@@ -1,4 +1,5 @@
-//! Artefacts to put on a board: the toy's, another toy's, and one of the size that flies in Meta-World, in both numbers.
+//! Artefacts to put on a board: the toy's, another toy's, one of the size that flies in Meta-World, and any other size, in
+//! both numbers.
 
 use firmware_sim::plants::toy;
 use ted_core::integer::{
@@ -15,8 +16,23 @@ use ted_policy::{
 
 pub const OBSERVATION: usize = 39;
 pub const ACTION: usize = 4;
-const HIDDEN: usize = 256;
-const MEMBERS: usize = 7;
+
+/// The sizes of an artefact's networks.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    pub observation: usize,
+    pub hidden: [usize; 2],
+    pub action: usize,
+    pub members: usize,
+}
+
+/// What flies in Meta-World.
+const LARGE: Shape = Shape {
+    observation: OBSERVATION,
+    hidden: [256, 256],
+    action: ACTION,
+    members: 7,
+};
 
 pub fn toy() -> Vec<u8> {
     toy::artifact_bytes().expect("the toy is written")
@@ -93,8 +109,9 @@ impl Layer {
         }
     }
 
-    fn network(numbers: &mut Numbers, inputs: usize, outputs: usize) -> [Self; 3] {
-        [(inputs, HIDDEN), (HIDDEN, HIDDEN), (HIDDEN, outputs)]
+    fn network(numbers: &mut Numbers, widths: [usize; 4]) -> [Self; 3] {
+        let [inputs, first, second, outputs] = widths;
+        [(inputs, first), (first, second), (second, outputs)]
             .map(|(inputs, outputs)| Self::new(numbers, inputs, outputs))
     }
 
@@ -122,58 +139,73 @@ fn integer(layers: &[Layer; 3], output: Output) -> IntegerMlp<'_> {
     IntegerMlp::new(&layers.each_ref().map(Layer::integer), output).expect("the layers chain")
 }
 
-/// A policy of 39-256-256-4 and seven reward models of 43-256-256-1, in floats and in integers. Nothing was trained, and the
-/// integers have nothing to do with the floats.
+/// A policy of 39-256-256-4 and seven reward models of 43-256-256-1.
 pub fn large() -> Vec<u8> {
-    let mut numbers = Numbers::new(39);
-    let policy = Layer::network(&mut numbers, OBSERVATION, ACTION);
-    let members: [_; MEMBERS] =
-        std::array::from_fn(|_| Layer::network(&mut numbers, OBSERVATION + ACTION, 1));
-    let (shift, scale) = (vec![0.0; OBSERVATION], vec![1.0; OBSERVATION]);
-    let normaliser = Normaliser::new(&shift, &scale).expect("they are as many");
-    let (reward_shift, reward_scale) = (
-        vec![0.0; OBSERVATION + ACTION],
-        vec![1.0; OBSERVATION + ACTION],
-    );
-    let reward_normaliser =
-        Normaliser::new(&reward_shift, &reward_scale).expect("they are as many");
-    let golden: Vec<f32> = numbers.floats(4 * OBSERVATION, 1.0);
+    random(LARGE, 39)
+}
+
+/// Another one of the same size, and of the same contract.
+pub fn other_large() -> Vec<u8> {
+    random(LARGE, 40)
+}
+
+/// A policy and its reward models, in floats and in integers. Nothing was trained, and the integers have nothing to do with
+/// the floats.
+pub fn random(shape: Shape, seed: u64) -> Vec<u8> {
+    let Shape {
+        observation,
+        hidden: [first, second],
+        action,
+        members,
+    } = shape;
+    let mut numbers = Numbers::new(seed);
+    let policy = Layer::network(&mut numbers, [observation, first, second, action]);
+    let input = observation + action;
+    let members: Vec<_> = (0..members)
+        .map(|_| Layer::network(&mut numbers, [input, first, second, 1]))
+        .collect();
+    let (shift, scale) = (vec![0.0; input], vec![1.0; input]);
+    let of = |width: usize| Normaliser::new(&shift[..width], &scale[..width]);
+    let normaliser = of(observation).expect("they are as many");
+    let reward_normaliser = of(input).expect("they are as many");
+    let golden: Vec<f32> = numbers.floats(4 * observation, 1.0);
+    let floats: Vec<_> = members.iter().map(|it| float(it, Output::Linear)).collect();
     let reward = RewardEnsemble::new(
         RewardInput::ObservationAction,
         reward_normaliser,
-        &members
-            .each_ref()
-            .map(|member| float(member, Output::Linear)),
+        &floats,
         RewardRange {
             low: -3.0,
             high: 3.0,
         },
     );
+    let integer_members: Vec<_> = members
+        .iter()
+        .map(|it| integer(it, Output::Linear))
+        .collect();
     let integer_reward = IntegerRewardEnsemble::new(
         12,
         12,
-        &members
-            .each_ref()
-            .map(|member| integer(member, Output::Linear)),
+        &integer_members,
         IntegerRange {
             low: -100_000,
             high: 100_000,
         },
     );
     let threshold = ReturnThreshold {
-        return_hat: 10.0,
+        return_hat: 3.0,
         last_tied_episode: 3,
     };
     let integers = IntegerSpec {
         policy: IntegerPolicy::new(12, 12, integer(&policy, Output::Tanh)).expect("bits fit"),
         reward: Some(integer_reward.expect("the members agree")),
         threshold: Some(ReturnThreshold {
-            return_hat: 2_000_000,
+            return_hat: 600_000,
             last_tied_episode: 3,
         }),
     };
     write(&ArtifactSpec {
-        contract: contract(),
+        contract: contract(observation, action),
         provenance: provenance(),
         policy: Policy::new(normaliser, float(&policy, Output::Tanh)).expect("shapes agree"),
         reward: Some(reward.expect("the members agree")),
@@ -184,21 +216,27 @@ pub fn large() -> Vec<u8> {
     .expect("the artefact is written")
 }
 
-fn contract() -> Contract<'static> {
-    let observation = [ObservationChannel {
-        name: "somewhere",
-        unit: "m",
-        low: -1.0,
-        high: 1.0,
-    }; OBSERVATION];
-    let action = [ActionChannel {
-        name: "somehow",
-        unit: "cm",
-        low: -1.0,
-        high: 1.0,
-        slew_per_tick: 2.0,
-        on_fault: SafeAction::Zero,
-    }; ACTION];
+fn contract(observation: usize, action: usize) -> Contract<'static> {
+    let observation = vec![
+        ObservationChannel {
+            name: "somewhere",
+            unit: "m",
+            low: -1.0,
+            high: 1.0,
+        };
+        observation
+    ];
+    let action = vec![
+        ActionChannel {
+            name: "somehow",
+            unit: "cm",
+            low: -1.0,
+            high: 1.0,
+            slew_per_tick: 2.0,
+            on_fault: SafeAction::Zero,
+        };
+        action
+    ];
     Contract::new("drawer-open-v3", &observation, &action, 12_500, 12_500)
         .expect("the contract can be kept")
 }

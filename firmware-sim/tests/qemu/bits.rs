@@ -30,7 +30,7 @@ fn flies_the_host_s_bits(board: Board, numeric: Numeric) {
     pilot.reset().unwrap();
 
     let mut numbers = Numbers::new(7);
-    let mut moved = false;
+    let (mut moved, mut classes) = (false, Vec::new());
     for tick in 0..TICKS {
         let values: [f32; OBSERVATION] = std::array::from_fn(|_| numbers.unit());
         let now_us = u64::from(tick) * PERIOD_US;
@@ -52,8 +52,15 @@ fn flies_the_host_s_bits(board: Board, numeric: Numeric) {
         assert_eq!(score.return_hat.to_bits(), scorer.return_hat().to_bits());
         let top_k = scorer.class(NEW_EPISODE) == DiscountClass::TopK;
         assert_eq!(score.top_k, top_k);
+        classes.push(top_k);
     }
     assert!(moved, "the actions say something");
+    assert_eq!(
+        (classes.first(), classes.last()),
+        (Some(&false), Some(&true)),
+        "return {}",
+        scorer.return_hat()
+    );
     let connection = scores_logs_as_the_host(pilot, scorer, numeric);
     let health = boards::pilot(connection, numeric).health().unwrap();
     assert!(

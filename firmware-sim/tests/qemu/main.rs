@@ -11,3 +11,4 @@ mod drill;
 mod flashing;
 mod flight;
 mod lifetime;
+mod shapes;
