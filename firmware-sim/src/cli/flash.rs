@@ -70,13 +70,11 @@ pub fn run(args: &FlashArgs) -> Result<ExitCode, Failure> {
     })?;
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
-    let fleet = Fleet::find(args.on, args.link, args.flash_image.clone())
+    let audience = args.output.audience();
+    let fleet = Fleet::find(args.on, args.link, args.flash_image.clone(), audience)
         .map_err(|error| Failure::new(error.exit_code(), error))?;
     let mut connection = fleet.connect()?;
-    let progress = args
-        .output
-        .audience()
-        .start("flash", bytes.len() as u64, "bytes");
+    let progress = audience.start("flash", bytes.len() as u64, "bytes");
     let mut shown = 0;
     let done = flash(&mut connection, &bytes, args.accept_other_contract, |now| {
         progress.advance((now.sent - shown) as u64);

@@ -95,7 +95,7 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         args,
         artifact: &artifact,
         bytes: &bytes,
-        fleet: args.seat.fleet()?,
+        fleet: args.seat.fleet(bytes.len(), args.output.audience())?,
     };
     let (flight, recorded) = match args.plant {
         PlantKind::Metaworld => crew.fly_metaworld()?,

@@ -100,7 +100,7 @@ pub fn run(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     })?;
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
-    let episodes = match args.seat.fleet()? {
+    let episodes = match args.seat.fleet(bytes.len(), args.output.audience())? {
         None => score_all(&mut here, &recordings, ted, args)?,
         Some(fleet) => {
             let connection = seat::connect(&fleet, &artifact, &bytes)?;

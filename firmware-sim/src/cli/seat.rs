@@ -10,6 +10,7 @@ use crate::device::message::Start;
 use crate::device::slots::SlotReport;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
+use crate::progress::Audience;
 use crate::qemu::{Board, Device, Fleet, Link};
 use crate::remote::{Connection, RemoteError, flash};
 
@@ -60,8 +61,9 @@ impl On {
 }
 
 impl SeatArgs {
-    /// The boards to fly on; none to fly on this machine.
-    pub fn fleet(&self) -> Result<Option<Fleet>, Failure> {
+    /// The boards to fly an artefact of `bytes` bytes on; none to fly on this machine. The audience hears what it will wait
+    /// for.
+    pub fn fleet(&self, bytes: usize, audience: Audience) -> Result<Option<Fleet>, Failure> {
         let Some(board) = self.on.board() else {
             return match (&self.flash_image, self.link) {
                 (None, Link::Fifo) => Ok(None),
@@ -71,9 +73,15 @@ impl SeatArgs {
                 )),
             };
         };
-        Fleet::find(board, self.link, self.flash_image.clone())
-            .map(Some)
-            .map_err(|error| Failure::new(error.exit_code(), error))
+        let fleet = Fleet::find(board, self.link, self.flash_image.clone(), audience)
+            .map_err(|error| Failure::new(error.exit_code(), error))?;
+        audience.note(&match self.flash_image {
+            None => format!("{board} starts in QEMU and is sent the artefact, {bytes} bytes"),
+            Some(_) => format!(
+                "{board} starts in QEMU and is sent the artefact, {bytes} bytes, if it holds another one"
+            ),
+        });
+        Ok(Some(fleet))
     }
 
     /// How episodes are flown: in lockstep with a plant, whose time stands still meanwhile.

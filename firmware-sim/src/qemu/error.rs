@@ -70,6 +70,12 @@ pub enum QemuError {
         /// What the script said.
         words: String,
     },
+    /// The person asked to stop while an image was built.
+    #[error("build the firmware of {board}: stopped on request")]
+    BuildInterrupted {
+        /// The board.
+        board: Board,
+    },
     /// The file of the flash cannot be made or written.
     #[error("open the flash image {path}: {source}")]
     FlashImage {
@@ -128,7 +134,7 @@ impl QemuError {
     #[must_use]
     pub const fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Interrupted { .. } => ExitCode::Interrupted,
+            Self::Interrupted { .. } | Self::BuildInterrupted { .. } => ExitCode::Interrupted,
             Self::FlashInUse { .. } => ExitCode::Busy,
             Self::FlashImage { .. } => ExitCode::Storage,
             Self::NoFlashImage { .. } => ExitCode::BadInput,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::{Board, Device, Emulator, Firmware, Link, QemuError};
+use crate::progress::Audience;
 use crate::remote::{Connection, LinkOptions, RemoteError};
 
 /// How long an answer may take. Nothing gets lost between two processes, so only a board that computes is waited for.
@@ -21,15 +22,20 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// Looks for the emulator and the board's image, which may have to be built. With a file for the flash only one board
+    /// Looks for the emulator and the board's image, which may have to be built, and says so to the audience. With a file for the flash only one board
     /// can run at a time.
     ///
     /// # Errors
     /// When one of the two is not to be had.
-    pub fn find(board: Board, link: Link, flash_image: Option<PathBuf>) -> Result<Self, QemuError> {
+    pub fn find(
+        board: Board,
+        link: Link,
+        flash_image: Option<PathBuf>,
+        audience: Audience,
+    ) -> Result<Self, QemuError> {
         Ok(Self {
             emulator: Emulator::find()?,
-            firmware: Firmware::find(board)?,
+            firmware: Firmware::find(board, audience)?,
             link,
             flash_image,
         })

@@ -5,6 +5,7 @@ use std::time::Duration;
 use std::{fs, io};
 
 use firmware_sim::bench::drill::{Rig, drill, table};
+use firmware_sim::progress::Audience;
 use firmware_sim::qemu::{Board, Device, Emulator, Firmware, Link};
 use firmware_sim::remote::LinkOptions;
 use tempfile::TempDir;
@@ -49,7 +50,7 @@ impl Rig for Emulated {
 
 fn table_of(board: Board) -> String {
     let found = || {
-        let (emulator, firmware) = (Emulator::find()?, Firmware::find(board)?);
+        let (emulator, firmware) = (Emulator::find()?, Firmware::find(board, Audience::Nobody)?);
         Ok::<_, firmware_sim::qemu::QemuError>((emulator, firmware))
     };
     let (emulator, firmware) = found().unwrap_or_else(|error| panic!("failed to {error}"));
