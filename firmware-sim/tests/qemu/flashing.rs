@@ -1,6 +1,8 @@
 //! The plug is pulled while an artefact is sent: what flew before flies on, from the same file of flash.
 
 use std::fs;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use firmware_sim::controller::Numeric;
 use firmware_sim::device::message::{FlashBegin, Request};
@@ -9,9 +11,13 @@ use firmware_sim::plants::toy::ToyPlant;
 use firmware_sim::qemu::{Board, Device, Link};
 use firmware_sim::remote::{Connection, RemoteError, flash};
 use firmware_sim::rollout::fly_episode;
+use rustix::process::{Pid, Signal, kill_process};
 use ted_policy::{Artifact, ArtifactBytes};
 
 use super::{artefacts, boards};
+
+/// How often the plug is pulled, from the first byte to after the last answer.
+const CUTS: u32 = 20;
 
 fn checksum(artefact: &[u8]) -> u32 {
     let bytes = ArtifactBytes::from_vec(artefact.to_vec());
@@ -67,6 +73,51 @@ fn what_flew_before_flies_on_when_the_plug_is_pulled_in_the_middle_of_an_artefac
     drop(connection);
     let connection = fleet.connect().unwrap();
     assert_eq!(flying(&connection), Some(checksum(&new)));
+}
+
+/// Sends an artefact and pulls the plug after `delay`, whatever the board does then; whether it had taken the artefact.
+fn flash_until(connection: &mut Connection<Device>, artefact: &[u8], delay: Duration) -> bool {
+    let process = Pid::from_raw(connection.stream().id() as i32).expect("it runs");
+    thread::scope(|scope| {
+        let plug = scope.spawn(move || {
+            thread::sleep(delay);
+            // Fails when the board is gone, which nothing but this ends.
+            kill_process(process, Signal::KILL).expect("the plug is pulled");
+        });
+        let done = flash(connection, artefact, false, |_| ());
+        plug.join().expect("it was pulled");
+        done.is_ok()
+    })
+}
+
+#[test]
+fn a_plug_pulled_at_any_moment_leaves_the_old_policy_or_the_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = folder.path().join("flash");
+    let fleet = boards::fleet(Board::An386, Link::Fifo, Some(&image));
+    let artefacts = [artefacts::large(), artefacts::other_large()];
+    let checksums = artefacts.each_ref().map(|it| checksum(it));
+    let mut connection = fleet.connect().unwrap();
+    let began = Instant::now();
+    flash(&mut connection, &artefacts[0], false, |_| ()).unwrap();
+    let whole = began.elapsed();
+    drop(connection);
+
+    let mut flies = 0;
+    for cut in 1..=CUTS {
+        let mut connection = fleet.connect().unwrap();
+        let next = 1 - flies;
+        // Some of the last ones are late: the artefact is in service by then.
+        let delay = whole * cut * 5 / (CUTS * 4);
+        let taken = flash_until(&mut connection, &artefacts[next], delay);
+        drop(connection);
+
+        let flying = flying(&fleet.connect().unwrap());
+        let found = checksums.iter().position(|it| Some(*it) == flying);
+        let found = found.unwrap_or_else(|| panic!("cut {cut} left {flying:x?}"));
+        assert!(!taken || found == next, "cut {cut} lost what was taken");
+        flies = found;
+    }
 }
 
 #[test]
