@@ -1,4 +1,4 @@
-//! Every core computes the host's bits, in both numbers: actions, predicted returns and TED's class.
+//! Every core computes the host's bits, in both numbers: actions, predicted returns and TED's class. Within its memory.
 
 use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::device::message::Start;
@@ -12,13 +12,10 @@ use ted_core::{DiscountClass, NEW_EPISODE};
 use ted_policy::{Artifact, ArtifactBytes};
 
 use super::artefacts::{self, ACTION, Numbers, OBSERVATION};
-use super::boards;
+use super::{boards, memory};
 
 const TICKS: u32 = 12;
 const PERIOD_US: u64 = 12_500;
-
-/// The stack that the budget allows: 8 KiB, and the link's buffers, which are on it.
-const STACK_BUDGET: u32 = 8 * 1024 + 790;
 
 fn flies_the_host_s_bits(board: Board, numeric: Numeric) {
     let bytes = ArtifactBytes::from_vec(artefacts::large());
@@ -63,11 +60,7 @@ fn flies_the_host_s_bits(board: Board, numeric: Numeric) {
     );
     let connection = scores_logs_as_the_host(pilot, scorer, numeric);
     let health = boards::pilot(connection, numeric).health().unwrap();
-    assert!(
-        health.stack_high_water <= STACK_BUDGET,
-        "{board} used {} bytes of stack, {STACK_BUDGET} are allowed",
-        health.stack_high_water
-    );
+    memory::within_budget(board, health.stack_high_water);
 }
 
 /// The same networks, now with actions that this policy would not have taken.

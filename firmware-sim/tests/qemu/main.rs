@@ -11,4 +11,5 @@ mod drill;
 mod flashing;
 mod flight;
 mod lifetime;
+mod memory;
 mod shapes;
