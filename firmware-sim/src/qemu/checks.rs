@@ -23,7 +23,15 @@ pub fn diagnose() -> Vec<BoardCheck> {
         BoardCheck {
             name: "qemu, for boards",
             outcome: emulator
-                .map(|it| format!("{} {}", it.path().display(), it.version()))
+                .map(|it| {
+                    let unguarded = match it.is_guarded() {
+                        true => "",
+                        false => {
+                            "; without setpriv of util-linux it is left running when this program is killed"
+                        }
+                    };
+                    format!("{} {}{unguarded}", it.path().display(), it.version())
+                })
                 .map_err(|error| error.to_string()),
         },
         BoardCheck {

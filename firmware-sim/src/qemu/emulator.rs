@@ -18,8 +18,8 @@ const NAME: &str = "qemu-system-arm";
 /// The oldest version tried. Older ones may well do.
 const OLDEST: u32 = 7;
 
-/// Lets the kernel kill a process when its parent ends; on Linux it comes with the base system.
-const GUARDIAN: &str = "setpriv";
+/// Lets the kernel kill a process when its parent ends; on Linux it comes with the base system. The one of busybox cannot.
+const GUARDIAN: [&str; 4] = ["setpriv", "--pdeathsig", "KILL", "--"];
 
 /// A QEMU that can be started.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ impl Emulator {
         match major {
             Some(OLDEST..) => Ok(Self {
                 version: version.to_owned(),
-                guarded: first_line(Path::new(GUARDIAN)).is_ok(),
+                guarded: is_guarding(),
                 path,
             }),
             Some(0..OLDEST) | None => Err(QemuError::UnfitEmulator {
@@ -71,10 +71,17 @@ impl Emulator {
         &self.version
     }
 
-    /// Starts a board. The flash for artefacts is in the file `flash_image`, which is made if it is not there; without one
-    /// it forgets everything when the device ends.
+    /// Whether a board ends with the thread that started it, also when this process is killed. Where `setpriv` of
+    /// util-linux is missing, it ends when it is dropped and not otherwise.
+    #[must_use]
+    pub const fn is_guarded(&self) -> bool {
+        self.guarded
+    }
+
+    /// Starts a board. The flash for artefacts is in the file `flash_image`, which is made if it is not there or empty;
+    /// without one it forgets everything when the device ends.
     ///
-    /// The device ends at the latest with the thread that started it, however that ends.
+    /// The device ends at the latest with the thread that started it, however that ends, if [`Self::is_guarded`].
     ///
     /// # Errors
     /// When no process can be started, or the file cannot be written, is something else than a flash, or belongs to another
@@ -87,8 +94,9 @@ impl Emulator {
     ) -> Result<Device, QemuError> {
         let flash = flash_image.map(lock).transpose()?;
         let mut command = if self.guarded {
-            let mut command = Command::new(GUARDIAN);
-            command.args(["--pdeathsig", "KILL", "--"]).arg(&self.path);
+            let [program, args @ ..] = GUARDIAN;
+            let mut command = Command::new(program);
+            command.args(args).arg(&self.path);
             command
         } else {
             Command::new(&self.path)
@@ -138,6 +146,17 @@ fn lock(path: &Path) -> Result<File, QemuError> {
         }),
         Err(TryLockError::Error(source)) => Err(failed(source)),
     }
+}
+
+/// Whether the guardian is there and knows what is asked of it.
+fn is_guarding() -> bool {
+    let [program, args @ ..] = GUARDIAN;
+    let tried = Command::new(program)
+        .args(args)
+        .arg("true")
+        .stdin(Stdio::null())
+        .output();
+    tried.is_ok_and(|it| it.status.success())
 }
 
 /// The first line of what a program says of its version.
