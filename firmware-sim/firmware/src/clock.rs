@@ -13,15 +13,18 @@ const ROUND: u32 = 100_000;
 const RELOAD: u32 = ROUND - 1;
 const TICKS_PER_US: u32 = MAP.clock_hz / 1_000_000;
 
+/// The rounds, and how often their number went back to zero, which takes half a year. No core here writes 64 bits at once.
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
+static ERAS: AtomicU32 = AtomicU32::new(0);
 
 #[exception]
 fn SysTick() {
     // Whoever reads is interrupted by this, never the other way round.
-    ROUNDS.store(
-        ROUNDS.load(Ordering::Relaxed).wrapping_add(1),
-        Ordering::Relaxed,
-    );
+    let rounds = ROUNDS.load(Ordering::Relaxed).wrapping_add(1);
+    ROUNDS.store(rounds, Ordering::Relaxed);
+    if rounds == 0 {
+        ERAS.store(ERAS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    }
 }
 
 /// A clock that runs.
@@ -41,24 +44,26 @@ impl Clock {
     /// Processor clocks since the start, round the end of `u32`.
     pub fn ticks(&self) -> u32 {
         let (rounds, within) = Self::read();
-        rounds.wrapping_mul(ROUND).wrapping_add(within)
+        (rounds as u32).wrapping_mul(ROUND).wrapping_add(within)
     }
 
-    /// Microseconds since the start; it would go back to zero after half a year.
+    /// Microseconds since the start.
     pub fn now_us(&self) -> u64 {
         let (rounds, within) = Self::read();
-        u64::from(rounds) * u64::from(ROUND / TICKS_PER_US) + u64::from(within / TICKS_PER_US)
+        rounds * u64::from(ROUND / TICKS_PER_US) + u64::from(within / TICKS_PER_US)
     }
 
     /// Rounds since the start, and processor clocks since the last one.
-    fn read() -> (u32, u32) {
+    fn read() -> (u64, u32) {
         loop {
             let rounds = ROUNDS.load(Ordering::Relaxed);
+            let eras = ERAS.load(Ordering::Relaxed);
             let ended = SCB::is_pendst_pending();
             let within = RELOAD - SYST::get_current();
             // A round that ends between these readings would count twice, or not at all.
             if rounds == ROUNDS.load(Ordering::Relaxed) && ended == SCB::is_pendst_pending() {
-                return (rounds.wrapping_add(u32::from(ended)), within);
+                let rounds = u64::from(eras) << 32 | u64::from(rounds);
+                return (rounds.wrapping_add(u64::from(ended)), within);
             }
         }
     }
