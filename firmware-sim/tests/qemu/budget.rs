@@ -13,6 +13,9 @@ use super::boards;
 /// The committed table: board, numbers, instructions of a tick, instructions of scoring it.
 const BUDGET: &str = include_str!("budget.txt");
 
+/// What is said about it.
+const DOCUMENT: &str = include_str!("../../../docs/device.md");
+
 /// How much more than its budget a count may be: compilers differ.
 const TOLERANCE: f64 = 1.02;
 
@@ -90,4 +93,25 @@ fn no_core_takes_more_instructions_than_its_budget() {
         "instructions over budget: {}\nmeasured:\n{table}",
         over.join("; ")
     );
+}
+
+/// A number as the document writes it.
+fn with_commas(number: &str) -> String {
+    let digits = number.as_bytes().rchunks(3).rev();
+    let groups: Vec<&str> = digits.map(|it| std::str::from_utf8(it).unwrap()).collect();
+    groups.join(",")
+}
+
+#[test]
+fn the_document_says_what_the_budget_says() {
+    let rows: Vec<_> = BUDGET.lines().filter(|it| !it.starts_with('#')).collect();
+    assert_eq!(rows.len(), 2 * Board::ALL.len());
+    for row in rows {
+        let words: Vec<_> = row.split_whitespace().collect();
+        let [tick, scoring] = [words[2], words[3]].map(with_commas);
+        let row = format!("| {} | {tick} | {scoring} |", words[1]);
+        assert!(DOCUMENT.contains(&row), "{}: {row}", words[0]);
+    }
+    let ticks = format!("the mean of {TICKS} ticks");
+    assert!(DOCUMENT.contains(&ticks), "{ticks}");
 }
