@@ -82,8 +82,10 @@ where
     F: MappedFlash,
     B: Board,
 {
-    let artifact = Artifact::parse(bytes).map_err(refusal)?;
-    let proven = Proven::of(&artifact, start.numeric).map_err(refusal)?;
+    // Used where it is, as what is loaded from it below.
+    let parsed = Artifact::parse(bytes);
+    let artifact = parsed.as_ref().map_err(|error| refusal(*error))?;
+    let proven = Proven::of(artifact, start.numeric).map_err(refusal)?;
     load_and_fly(line, flash, board, survey, start, proven)
 }
 
