@@ -124,17 +124,17 @@ impl<L: Read + ReadReady + Write> Line<L> {
     }
 
     /// The request that [`Self::wait`] found.
+    #[inline(never)]
     pub(super) fn request(&self) -> Request<'_> {
         let message = self.receiver.body().message;
-        match (foreign_version(message), parse(message)) {
-            (Some(protocol), _) => Request::Hello {
-                protocol,
-                session: 0,
-            },
-            (None, Some(request)) => request,
-            // Ruled out by `is_next`; a question changes nothing.
-            (None, None) => Request::Health,
-        }
+        // Of a greeting of another version nothing is known but that it is one.
+        let unread = Request::Hello {
+            protocol: 0,
+            session: 0,
+        };
+        parse(message)
+            .filter(|_| !is_foreign(message))
+            .unwrap_or(unread)
     }
 
     /// The number of the last request.
@@ -157,9 +157,9 @@ impl<L: Read + ReadReady + Write> Line<L> {
     /// believed.
     pub(super) fn greet(&mut self, hello: Reply<'_>) {
         let body = self.receiver.body();
-        match foreign_version(body.message) {
-            Some(_) => self.say_aside(body.number, &hello),
-            None => self.reply(hello),
+        match is_foreign(body.message) {
+            true => self.say_aside(body.number, &hello),
+            false => self.reply(hello),
         }
     }
 
@@ -191,7 +191,7 @@ impl<L: Read + ReadReady + Write> Line<L> {
     /// Whether the received frame is to be acted on.
     fn is_next(&mut self) -> bool {
         let body = self.receiver.body();
-        if foreign_version(body.message).is_some() {
+        if is_foreign(body.message) {
             return true;
         }
         let (number, request) = (body.number, parse(body.message));
@@ -245,12 +245,11 @@ fn send(link: &mut impl Write, mut frame: &[u8], counters: &mut Counters) {
     }
 }
 
-/// The version in a greeting that is not of this one: the only thing of it that may be believed, whatever follows.
-fn foreign_version(message: &[u8]) -> Option<u16> {
-    match postcard::take_from_bytes::<(u8, u16)>(message) {
-        Ok(((0, version), _)) if version != PROTOCOL_VERSION => Some(version),
-        _ => None,
-    }
+/// Whether this is a greeting of another version, whatever follows.
+fn is_foreign(message: &[u8]) -> bool {
+    // A varint of this version is one byte; that of another version begins with another one.
+    const { assert!(PROTOCOL_VERSION < 0x80) }
+    matches!(message, [0, version, ..] if *version != PROTOCOL_VERSION as u8)
 }
 
 /// A message of this protocol, and nothing behind it.

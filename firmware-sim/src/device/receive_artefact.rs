@@ -5,8 +5,13 @@ use embedded_io::{Read, ReadReady, Write};
 use super::line::{Event, Line};
 use super::message::{FlashBegin, Refusal, Reply, Request};
 use super::serve::{Next, answer};
-use super::slots::{self, SlotReport, Survey, Transfer};
+use super::slots::{self, Active, SlotReport, Survey, Transfer};
 use super::{Board, MappedFlash};
+
+fn flies(survey: &Survey, fresh: &Active) -> bool {
+    let active = survey.active.as_ref();
+    active.is_some_and(|active| (active.slot, active.checksum) == (fresh.slot, fresh.checksum))
+}
 
 /// Answers a [`Request::FlashBegin`] and what follows it, until the artefact is judged or the host wants something else.
 #[inline(never)]
@@ -51,7 +56,7 @@ where
                     // What flies is what a device finds that is switched on now.
                     *survey = slots::survey(flash);
                     let reply = match taken {
-                        Ok(fresh) if survey.active.as_ref() == Some(&fresh) => Reply::Flashed {
+                        Ok(fresh) if flies(survey, &fresh) => Reply::Flashed {
                             slot: fresh.slot,
                             checksum: fresh.checksum,
                         },
