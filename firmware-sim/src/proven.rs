@@ -6,36 +6,27 @@ use ted_policy::{Artifact, ArtifactError};
 
 use crate::controller::Numeric;
 
-/// An artefact whose golden vectors this machine has computed, and in which numbers it did.
+/// The proof that this machine computes the golden vectors of an artefact, and in which numbers it did.
 #[derive(Clone, Copy, Debug)]
-pub struct Proven<'p, 'a> {
-    artifact: &'p Artifact<'a>,
-    numeric: Numeric,
-}
+pub struct Proven(Numeric);
 
-impl<'p, 'a> Proven<'p, 'a> {
+impl Proven {
     /// Computes every golden vector of the artefact and compares the bits.
     ///
     /// # Errors
     /// The golden vector that came out differently, or that the artefact has no networks in these numbers.
-    pub fn of(artifact: &'p Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
+    pub fn of(artifact: &Artifact<'_>, numeric: Numeric) -> Result<Self, ArtifactError> {
         match numeric {
             Numeric::F32 => in_floats(artifact)?,
             Numeric::Integer => in_integers(artifact)?,
         }
-        Ok(Self { artifact, numeric })
-    }
-
-    /// The artefact.
-    #[must_use]
-    pub const fn artifact(self) -> &'p Artifact<'a> {
-        self.artifact
+        Ok(Self(numeric))
     }
 
     /// The numbers.
     #[must_use]
     pub const fn numeric(self) -> Numeric {
-        self.numeric
+        self.0
     }
 }
 

@@ -26,14 +26,13 @@ pub struct BareController<'a> {
 }
 
 impl<'a> BareController<'a> {
-    /// A controller for an artefact whose golden vectors this machine computes.
+    /// A controller for an artefact whose golden vectors this machine computes; `proven` must be of this artefact.
     ///
     /// # Errors
     /// When the artefact has no networks in those numbers, which the proof rules out.
     // Not part of its caller, whose stack would hold everything twice.
     #[inline(never)]
-    pub fn load(proven: Proven<'_, 'a>) -> Result<Self, ArtifactError> {
-        let artifact = proven.artifact();
+    pub fn load(artifact: &Artifact<'a>, proven: Proven) -> Result<Self, ArtifactError> {
         let terms = artifact.terms();
         Ok(Self {
             policy: NumericPolicy::load(artifact, proven.numeric())?,

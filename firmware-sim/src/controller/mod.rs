@@ -59,7 +59,7 @@ impl<'a> Controller<'a> {
     pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Result<Self, ArtifactError> {
         let proven = Proven::of(artifact, numeric)?;
         Ok(Self {
-            bare: BareController::load(proven)?,
+            bare: BareController::load(artifact, proven)?,
             workspace: Workspace::new(numeric),
         })
     }

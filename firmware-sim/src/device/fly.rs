@@ -9,7 +9,7 @@ use super::message::{Acted, Refusal, Reply, Request, Score, Start};
 use super::serve::{Next, answer};
 use super::slots::{Active, Survey, Transfer, refusal};
 use super::{Board, MappedFlash};
-use crate::controller::BareController;
+use crate::controller::{BareController, Numeric};
 use crate::proven::Proven;
 use crate::safety::ObservationFrame;
 use crate::scorer::BareScorer;
@@ -42,7 +42,9 @@ where
         }
     };
     let bytes = active.bytes(flash);
-    match prove_and_fly(line, flash, board, survey, start, bytes) {
+    let flown = prove(bytes, start.numeric)
+        .and_then(|proven| load_and_fly(line, flash, board, survey, start, bytes, proven));
+    match flown {
         Ok(next) => next,
         Err(refusal) => {
             // The flash is not what it was when it was surveyed; the other slot may still be good.
@@ -69,24 +71,9 @@ fn may_fly<'s>(
 
 /// Tries the golden vectors again, since nobody knows what became of the flash meanwhile.
 #[inline(never)]
-fn prove_and_fly<L, F, B>(
-    line: &mut Line<L>,
-    flash: &F,
-    board: &mut B,
-    survey: &Survey,
-    start: Start,
-    bytes: &[u8],
-) -> Result<Next, Refusal>
-where
-    L: Read + ReadReady + Write,
-    F: MappedFlash,
-    B: Board,
-{
-    // Used where it is, as what is loaded from it below.
-    let parsed = Artifact::parse(bytes);
-    let artifact = parsed.as_ref().map_err(|error| refusal(*error))?;
-    let proven = Proven::of(artifact, start.numeric).map_err(refusal)?;
-    load_and_fly(line, flash, board, survey, start, proven)
+fn prove(bytes: &[u8], numeric: Numeric) -> Result<Proven, Refusal> {
+    let artifact = Artifact::parse(bytes).map_err(refusal)?;
+    Proven::of(&artifact, numeric).map_err(refusal)
 }
 
 #[inline(never)]
@@ -96,20 +83,22 @@ fn load_and_fly<L, F, B>(
     board: &mut B,
     survey: &Survey,
     start: Start,
-    proven: Proven<'_, '_>,
+    bytes: &[u8],
+    proven: Proven,
 ) -> Result<Next, Refusal>
 where
     L: Read + ReadReady + Write,
     F: MappedFlash,
     B: Board,
 {
+    let artifact = Artifact::parse(bytes).map_err(refusal)?;
     // Used where it is: moved, it would be on the stack twice.
-    let mut loaded = BareController::load(proven);
+    let mut loaded = BareController::load(&artifact, proven);
     let controller = loaded.as_mut().map_err(|error| refusal(*error))?;
-    let mut place = BareScorer::unfilled(proven.artifact(), proven.numeric());
+    let mut place = BareScorer::unfilled(&artifact, proven.numeric());
     let scorer = place
         .as_mut()
-        .and_then(|scorer| scorer.fill(proven.artifact()).then_some(scorer));
+        .and_then(|scorer| scorer.fill(&artifact).then_some(scorer));
     let mut flyer = Flyer { controller, scorer };
     Ok(flyer.fly(line, flash, board, survey, start))
 }
