@@ -6,6 +6,8 @@ use std::io;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
 
 use super::board::FLASH_BYTES;
 use super::{Board, Device, Firmware, Link, QemuError};
@@ -119,6 +121,10 @@ impl Emulator {
     }
 }
 
+/// How often, and after what pause, a lock is tried again: for a second in all.
+const PATIENCE: u32 = 100;
+const PAUSE: Duration = Duration::from_millis(10);
+
 /// Opens the file of a flash for one board alone, if it is one or new. The lock ends with the board.
 fn lock(path: &Path) -> Result<File, QemuError> {
     let open = OpenOptions::new()
@@ -132,7 +138,16 @@ fn lock(path: &Path) -> Result<File, QemuError> {
         source,
     };
     let file = open.map_err(failed)?;
-    match file.try_lock() {
+    let mut locked = file.try_lock();
+    for _ in 0..PATIENCE {
+        // A process that is being started holds, for a moment, what its parent holds: a lock too that was given back since.
+        if !matches!(locked, Err(TryLockError::WouldBlock)) {
+            break;
+        }
+        thread::sleep(PAUSE);
+        locked = file.try_lock();
+    }
+    match locked {
         // The board writes to it from its first artefact on, so it must not be somebody's film.
         Ok(()) => match file.metadata().map_err(failed)?.len() {
             0 | FLASH_BYTES => Ok(file),
