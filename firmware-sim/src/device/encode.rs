@@ -284,3 +284,65 @@ impl SerializeStructVariant for &mut Encoder<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::controller::{Numeric, Status};
+    use crate::device::message::{
+        Acted, FlashBegin, Floats, Refusal, Reply, Request, Score, Start,
+    };
+    use crate::safety::{Action, Fault};
+
+    fn same(message: &impl Serialize) {
+        let (mut ours, mut theirs) = ([0; 1024], [0; 1024]);
+        let length = encode(message, &mut ours).unwrap();
+        let expected = postcard::to_slice(message, &mut theirs).unwrap();
+        assert_eq!(&ours[..length], expected);
+        // What does not fit is refused and not cut.
+        assert!(encode(message, &mut ours[..length - 1]).is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn messages_are_encoded_as_postcard_does(
+            wide: u64,
+            other: u64,
+            word: u32,
+            half: u16,
+            number: f32,
+            flag: bool,
+            words in prop::collection::vec(any::<[u8; 4]>(), 0..64),
+        ) {
+            let bytes = words.concat();
+            let values = Floats::from_le_bytes(&bytes).unwrap();
+            same(&Request::Tick { now_us: wide, sequence: word, stamp_us: other, values });
+            same(&Request::Hello { protocol: half, session: word });
+            same(&Request::Start(Start { numeric: Numeric::Integer, silence_us: word }));
+            same(&Request::FlashData { offset: word, bytes: &bytes });
+            same(&Request::FlashBegin(FlashBegin {
+                length: word,
+                checksum: word.rotate_left(7),
+                accept_other_contract: flag,
+            }));
+            let fault = Fault::Stale { stamp_us: wide, now_us: other };
+            same(&Reply::Acted(Acted {
+                action: Action::from_slice(&[number, -number, 0.0]).unwrap(),
+                status: Status {
+                    tick: word,
+                    fault: flag.then_some(fault),
+                    clamped: flag,
+                    slew_limited: !flag,
+                    deadline_missed: flag,
+                    deadlines_missed: u32::from(half),
+                },
+                work: word,
+                score: (!flag).then_some(Score { return_hat: number, top_k: flag, work: word }),
+            }));
+            same(&Reply::Refused(Refusal::Checksum { expected: word, actual: u32::from(half) }));
+            same(&Reply::Refused(Refusal::NoPolicy));
+        }
+    }
+}

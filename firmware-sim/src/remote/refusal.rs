@@ -28,8 +28,8 @@ impl fmt::Display for Refusal {
                 "golden vector {case} came out differently: it does not compute what was trained"
             ),
             Self::OtherContract => f.write_str(
-                "its channels, units or control period are not those of the policy that flies: accept that if the wiring \
-                 was changed",
+                "its channels, units or control period are not those of the policy that flies: if the wiring was changed, \
+                 `firmware-sim flash --accept-other-contract` accepts that",
             ),
             Self::CannotScore => f.write_str(
                 "its artefact has no reward ensemble in these numbers, or no border of TED's: export a run with a learned \
