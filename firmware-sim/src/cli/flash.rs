@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::artefact;
 use clap::Args;
 use serde::Serialize;
-use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::exit::ExitCode;
 use crate::failure::Failure;
@@ -60,14 +60,8 @@ struct Flashed {
 
 /// Sends the artefact.
 pub fn run(args: &FlashArgs) -> Result<ExitCode, Failure> {
-    let bytes = ArtifactBytes::read(&args.policy)
-        .map_err(|error| Failure::new(ExitCode::BadInput, error))?;
-    Artifact::parse(&bytes).map_err(|error| {
-        Failure::new(
-            ExitCode::BadInput,
-            format_args!("read {}: {error}", args.policy.display()),
-        )
-    })?;
+    let bytes = artefact::read(&args.policy)?;
+    artefact::parse(&bytes, &args.policy)?;
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
     let audience = args.output.audience();

@@ -48,14 +48,16 @@ impl Crew<'_> {
     pub fn fly_metaworld(&self) -> Result<Flown, Failure> {
         let trained_for = self.artifact.contract().task;
         let usage = |error: &dyn Display| Failure::new(ExitCode::Usage, error);
-        let task = match &self.args.task {
-        Some(task) => tasks::single(task).map_err(|error| usage(&error))?,
-        None => tasks::single(trained_for).map_err(|_| {
+        let untold = |_| {
             usage(&format_args!(
-                "the policy was made for {trained_for:?}, which is no Meta-World task: name another --plant, or a --task"
+                "the policy was made for {trained_for:?}, which is no Meta-World task: name another \
+                 --plant, or a --task"
             ))
-        })?,
-    };
+        };
+        let task = match &self.args.task {
+            Some(task) => tasks::single(task).map_err(|error| usage(&error))?,
+            None => tasks::single(trained_for).map_err(untold)?,
+        };
         let environment = environment::ensure(self.args.output.audience())
             .map_err(|error| Failure::new(error.exit_code(), error))?;
         let (report, recorded) =

@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use ted_policy::{Artifact, ArtifactBytes};
 
+use super::artefact;
 use super::flights::Crew;
 use super::report::Report;
 use super::seat::SeatArgs;
@@ -81,14 +81,8 @@ enum PlantKind {
 /// Flies, and prints the report.
 pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     check(args)?;
-    let bytes = ArtifactBytes::read(&args.policy)
-        .map_err(|error| Failure::new(ExitCode::BadInput, error))?;
-    let artifact = Artifact::parse(&bytes).map_err(|error| {
-        Failure::new(
-            ExitCode::BadInput,
-            format_args!("read {}: {error}", args.policy.display()),
-        )
-    })?;
+    let bytes = artefact::read(&args.policy)?;
+    let artifact = artefact::parse(&bytes, &args.policy)?;
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
     let crew = Crew {

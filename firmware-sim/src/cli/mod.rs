@@ -1,5 +1,6 @@
 //! The `firmware-sim` command line: flying an artefact, saying how it went, and which flights are worth keeping.
 
+mod artefact;
 mod device_report;
 mod flash;
 mod flights;

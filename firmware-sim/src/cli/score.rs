@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use ted_core::{DiscountClass, NEW_EPISODE, TedDiscount};
-use ted_policy::{Artifact, ArtifactBytes};
 
+use super::artefact;
 use super::seat::{self, SeatArgs};
 use crate::controller::Numeric;
 use crate::exit::ExitCode;
@@ -73,14 +73,8 @@ struct EpisodeLine {
 
 /// Scores, and prints the report.
 pub fn run(args: &ScoreArgs) -> Result<ExitCode, Failure> {
-    let bytes = ArtifactBytes::read(&args.policy)
-        .map_err(|error| Failure::new(ExitCode::BadInput, error))?;
-    let artifact = Artifact::parse(&bytes).map_err(|error| {
-        Failure::new(
-            ExitCode::BadInput,
-            format_args!("read {}: {error}", args.policy.display()),
-        )
-    })?;
+    let bytes = artefact::read(&args.policy)?;
+    let artifact = artefact::parse(&bytes, &args.policy)?;
     let recordings = Recordings::read(&args.recording).map_err(|error| {
         Failure::new(
             ExitCode::BadInput,
