@@ -56,7 +56,7 @@ proptest! {
             for ((channel, &sent), &before) in channels.iter().zip(&action).zip(&last) {
                 prop_assert!(sent.is_finite() && channel.low <= sent && sent <= channel.high);
                 match status.fault {
-                    Some(_) if channel.name == "gripper" => prop_assert_eq!(sent, before),
+                    Some(_) if channel.name == "gripper".into() => prop_assert_eq!(sent, before),
                     Some(_) => prop_assert_eq!(sent, 0.0),
                     // The difference itself is rounded once more.
                     None => prop_assert!((sent - before).abs() <= channel.slew_per_tick + f32::EPSILON),

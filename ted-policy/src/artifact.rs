@@ -6,6 +6,7 @@ use ted_core::{Normaliser, Policy, ReturnThreshold, RewardEnsemble, Scratch, Ted
 
 use crate::arrays::{Arrays, Blob};
 use crate::contract::Contract;
+use crate::decode::decode;
 use crate::envelope::Envelope;
 use crate::error::{ArtifactError, Place};
 use crate::golden::Golden;
@@ -92,9 +93,8 @@ impl<'a> Artifact<'a> {
     #[must_use]
     pub fn provenance(&self) -> Provenance<'a> {
         // It was decoded once, so it can be again.
-        postcard::take_from_bytes(self.outline.provenance)
-            .map(|(provenance, _)| provenance)
-            .unwrap_or_default()
+        let mut bytes = self.outline.provenance;
+        decode(&mut bytes).unwrap_or_default()
     }
 
     /// The policy.

@@ -7,14 +7,16 @@ use serde::{Deserialize, Serialize};
 use ted_core::{MAX_ACTION, MAX_OBSERVATION};
 
 use crate::metadata::{self, Terms};
+use crate::text::Text;
 
 /// One channel of the raw observation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObservationChannel<'a> {
     /// What it measures, such as `hand_x`.
-    pub name: &'a str,
+    #[serde(borrow)]
+    pub name: Text<'a>,
     /// Its unit, such as `m`.
-    pub unit: &'a str,
+    pub unit: Text<'a>,
     /// Smallest value a controller accepts.
     pub low: f32,
     /// Largest value a controller accepts.
@@ -25,9 +27,10 @@ pub struct ObservationChannel<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActionChannel<'a> {
     /// What it moves, such as `hand_dx`.
-    pub name: &'a str,
+    #[serde(borrow)]
+    pub name: Text<'a>,
     /// Its unit, such as `cm`.
-    pub unit: &'a str,
+    pub unit: Text<'a>,
     /// Smallest value a controller sends.
     pub low: f32,
     /// Largest value a controller sends.
@@ -99,7 +102,7 @@ impl<'a> Contract<'a> {
 
     pub(crate) fn check(&self) -> Result<(), ContractFault> {
         metadata::check(
-            self.task,
+            self.task.into(),
             self.observation.iter().copied(),
             self.action.iter().copied(),
             self.control_period_us,
@@ -109,7 +112,7 @@ impl<'a> Contract<'a> {
     /// The contract of an artefact, its channels copied.
     pub(crate) fn of(terms: &Terms<'a>) -> Self {
         let mut contract = Self {
-            task: terms.task,
+            task: terms.task.as_str(),
             observation: Vec::new(),
             action: Vec::new(),
             control_period_us: terms.control_period_us,

@@ -16,6 +16,7 @@ mod artifact;
 mod code;
 mod contract;
 mod crc;
+mod decode;
 mod digest;
 mod envelope;
 mod error;
@@ -24,6 +25,7 @@ mod integers;
 mod metadata;
 mod networks;
 mod provenance;
+mod text;
 mod wire;
 
 #[cfg(feature = "std")]
@@ -36,6 +38,7 @@ mod write;
 pub use artifact::Artifact;
 pub use contract::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
 pub use crc::crc32;
+pub use decode::decode;
 pub use digest::{Digest, DigestError};
 pub use envelope::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
 pub use error::{ArtifactError, Place};
@@ -43,6 +46,7 @@ pub use golden::{Golden, GoldenCase};
 pub use integers::IntegerNetworks;
 pub use metadata::{List, Terms};
 pub use provenance::Provenance;
+pub use text::Text;
 
 #[cfg(feature = "std")]
 pub use load::{ArtifactBytes, LoadError};

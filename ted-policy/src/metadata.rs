@@ -10,8 +10,10 @@ use serde::Deserialize;
 use ted_core::{MAX_ACTION, MAX_MEMBERS, MAX_OBSERVATION};
 
 use crate::contract::{ActionChannel, ContractFault, ObservationChannel, SafeAction};
+use crate::decode::decode;
 use crate::digest::Digest;
 use crate::error::ArtifactError;
+use crate::text::Text;
 use crate::wire::{Integers, Network, Sees, Ted};
 
 /// A list that was decoded once, so that it can be again.
@@ -54,7 +56,7 @@ impl<'a, T: Deserialize<'a>> List<'a, T> {
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
     /// The task it was trained for.
-    pub task: &'a str,
+    pub task: Text<'a>,
     /// The raw observation, in order.
     pub observation: List<'a, ObservationChannel<'a>>,
     /// The action, in order.
@@ -79,7 +81,7 @@ impl Terms<'_> {
 
 /// Passes when a contract of these parts can be kept. That there are not too many channels is seen to before.
 pub(crate) fn check<'a>(
-    task: &str,
+    task: Text<'_>,
     observation: impl Iterator<Item = ObservationChannel<'a>>,
     action: impl Iterator<Item = ActionChannel<'a>>,
     control_period_us: u32,
@@ -211,9 +213,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn take<T: Deserialize<'a>>(&mut self) -> Option<T> {
-        let (value, rest) = postcard::take_from_bytes(self.rest).ok()?;
-        self.rest = rest;
-        Some(value)
+        decode(&mut self.rest)
     }
 
     /// A list of at most `limit`, each of them decoded once.
@@ -237,12 +237,12 @@ impl<'a> Reader<'a> {
     #[inline(never)]
     fn take_provenance(&mut self) -> Option<bool> {
         // Field by field, as a device has no use for the whole: `Provenance` has these, in this order.
-        self.take::<&str>()?;
-        self.take::<&str>()?;
+        self.take::<Text<'_>>()?;
+        self.take::<Text<'_>>()?;
         self.take::<u64>()?;
         self.take::<u64>()?;
         self.skip_digest()?;
-        self.take::<&str>()?;
+        self.take::<Text<'_>>()?;
         self.skip_digest()?;
         match self.take()? {
             0_u8 => {}

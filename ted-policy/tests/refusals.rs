@@ -33,14 +33,14 @@ fn policy<'a>(
 
 fn contract(observation: usize, action: usize) -> Contract<'static> {
     let x = ObservationChannel {
-        name: "x",
-        unit: "m",
+        name: "x".into(),
+        unit: "m".into(),
         low: -1.0,
         high: 1.0,
     };
     let dx = ActionChannel {
-        name: "dx",
-        unit: "cm",
+        name: "dx".into(),
+        unit: "cm".into(),
         low: -1.0,
         high: 1.0,
         slew_per_tick: 1.0,
@@ -295,14 +295,14 @@ fn a_provenance_return_that_is_not_finite_is_refused() {
 #[test]
 fn a_contract_that_cannot_be_kept_is_refused() {
     let x = ObservationChannel {
-        name: "x",
-        unit: "m",
+        name: "x".into(),
+        unit: "m".into(),
         low: -1.0,
         high: 1.0,
     };
     let dx = ActionChannel {
-        name: "dx",
-        unit: "cm",
+        name: "dx".into(),
+        unit: "cm".into(),
         low: -1.0,
         high: 1.0,
         slew_per_tick: 1.0,
@@ -346,7 +346,10 @@ fn a_contract_that_cannot_be_kept_is_refused() {
         })
     );
     let bad = [
-        ObservationChannel { name: "", ..x },
+        ObservationChannel {
+            name: "".into(),
+            ..x
+        },
         ObservationChannel { low: 2.0, ..x },
         ObservationChannel { low: f32::NAN, ..x },
         ObservationChannel {
@@ -361,7 +364,10 @@ fn a_contract_that_cannot_be_kept_is_refused() {
         );
     }
     let bad = [
-        ActionChannel { name: "", ..dx },
+        ActionChannel {
+            name: "".into(),
+            ..dx
+        },
         ActionChannel { low: 1.0, ..dx },
         ActionChannel {
             high: f32::NAN,

@@ -228,8 +228,8 @@ proptest! {
         let scale: Vec<f32> = take(inputs).iter().map(|scale| scale.abs() + 1e-3).collect();
         let normaliser = Normaliser::new(take(inputs), &scale).unwrap();
         let policy = Policy::new(normaliser, Mlp::new(&layers, Output::Tanh).unwrap()).unwrap();
-        let observation = ObservationChannel { name: "o", unit: "", low: -2.0, high: 2.0 };
-        let action = ActionChannel { name: "a", unit: "", low: -1.0, high: 1.0, slew_per_tick: 1.0, on_fault: SafeAction::Zero };
+        let observation = ObservationChannel { name: "o".into(), unit: "".into(), low: -2.0, high: 2.0 };
+        let action = ActionChannel { name: "a".into(), unit: "".into(), low: -1.0, high: 1.0, slew_per_tick: 1.0, on_fault: SafeAction::Zero };
         let minimal = minimal();
         let spec = ArtifactSpec {
             contract: Contract::new(&task, &vec![observation; inputs], &vec![action; outputs], 1, 0).unwrap(),

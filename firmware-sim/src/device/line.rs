@@ -1,6 +1,7 @@
 //! The device's end of the link: whole requests, each once and in order, and the last reply kept for whoever missed it.
 
 use embedded_io::{Read, ReadReady, Write};
+use ted_policy::decode;
 
 use super::counters::count;
 use super::frame::{self, MAX_FRAME, MAX_REPLY_FRAME};
@@ -254,8 +255,30 @@ fn is_foreign(message: &[u8]) -> bool {
 
 /// A message of this protocol, and nothing behind it.
 fn parse(message: &[u8]) -> Option<Request<'_>> {
-    match postcard::take_from_bytes(message) {
-        Ok((request, [])) => Some(request),
-        _ => None,
+    let mut rest = message;
+    decode(&mut rest).filter(|_| rest.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4096))]
+
+        #[test]
+        fn any_request_is_read_as_postcard_reads_it(
+            variant in 0..12_u8,
+            rest in prop::collection::vec(prop_oneof![2 => 0..4_u8, 1 => any::<u8>(), 1 => 0x7e..=0x81_u8], 0..24),
+        ) {
+            let message = [&[variant][..], &rest].concat();
+            let expected = match postcard::take_from_bytes(&message) {
+                Ok((request, [])) => Some(request),
+                _ => None,
+            };
+            prop_assert_eq!(parse(&message), expected);
+        }
     }
 }

@@ -3,8 +3,9 @@
 //! Variants are numbered in order; a new one goes to the end and raises [`PROTOCOL_VERSION`]. `Hello` stays the first of
 //! both lists, and the version its first field, for ever.
 
-use heapless::String;
+use heapless::Vec;
 use serde::{Deserialize, Serialize};
+use ted_policy::Text;
 
 use super::Counters;
 use super::frame::NAME_LENGTH;
@@ -154,7 +155,8 @@ pub struct Hello<'a> {
     /// The slot that flies, if one does.
     pub active: Option<u8>,
     /// The task that its policy was trained for, as far as [`NAME_LENGTH`] reaches; empty if none flies.
-    pub task: &'a str,
+    #[serde(borrow)]
+    pub task: Text<'a>,
     /// What is in each slot.
     pub slots: [SlotReport; 2],
     /// The largest artefact that fits a slot, in bytes.
@@ -269,5 +271,5 @@ impl Refusal {
     }
 }
 
-/// A name as long as a greeting has room for.
-pub type Name = String<NAME_LENGTH>;
+/// A name as long as a greeting has room for, in UTF-8.
+pub type Name = Vec<u8, NAME_LENGTH>;

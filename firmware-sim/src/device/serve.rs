@@ -1,6 +1,7 @@
 //! The loop of a device: rest, fly, take an artefact, whichever the host asks for.
 
 use embedded_io::{Read, ReadReady, Write};
+use ted_policy::Text;
 
 use super::fly::fly;
 use super::frame::NAME_LENGTH;
@@ -100,7 +101,9 @@ where
                 board: B::NAME,
                 firmware: FIRMWARE,
                 active: active.map(|active| active.slot),
-                task: active.map_or("", |active| active.task.as_str()),
+                task: active
+                    .and_then(|active| Text::new(&active.task))
+                    .unwrap_or_default(),
                 slots: survey.slots,
                 slot_bytes: Layout::of(flash).room(),
                 work_hz: B::WORK_HZ,

@@ -266,7 +266,7 @@ impl DeviceHello {
             board: hello.board.to_owned(),
             firmware: hello.firmware.to_owned(),
             active: hello.active,
-            task: hello.task.to_owned(),
+            task: hello.task.as_str().to_owned(),
             slots: hello.slots,
             slot_bytes: hello.slot_bytes,
             work_hz: hello.work_hz,

@@ -150,7 +150,7 @@ fn replies() -> Vec<(&'static str, u16, Reply<'static>)> {
                 board: "mps2-an386",
                 firmware: "0.1.0",
                 active: Some(1),
-                task: "reach-v3",
+                task: "reach-v3".into(),
                 slots: [
                     SlotReport::Refused(Refusal::Checksum {
                         expected: 1,

@@ -73,7 +73,7 @@ fn greeting(session: u32, board: &'static str, slots: [SlotReport; 2]) -> Reply<
         board,
         firmware: "",
         active: None,
-        task: "",
+        task: "".into(),
         slots,
         slot_bytes: 0,
         work_hz: 0,

@@ -319,7 +319,7 @@ fn the_largest_replies_fit_their_frames() {
         board: &long,
         firmware: &long,
         active: Some(u8::MAX),
-        task: &long,
+        task: long.as_str().into(),
         slots: [slot; 2],
         slot_bytes: u32::MAX,
         work_hz: u32::MAX,

@@ -219,8 +219,8 @@ pub fn random(shape: Shape, seed: u64) -> Vec<u8> {
 fn contract(observation: usize, action: usize) -> Contract<'static> {
     let observation = vec![
         ObservationChannel {
-            name: "somewhere",
-            unit: "m",
+            name: "somewhere".into(),
+            unit: "m".into(),
             low: -1.0,
             high: 1.0,
         };
@@ -228,8 +228,8 @@ fn contract(observation: usize, action: usize) -> Contract<'static> {
     ];
     let action = vec![
         ActionChannel {
-            name: "somehow",
-            unit: "cm",
+            name: "somehow".into(),
+            unit: "cm".into(),
             low: -1.0,
             high: 1.0,
             slew_per_tick: 2.0,

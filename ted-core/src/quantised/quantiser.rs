@@ -45,11 +45,21 @@ pub(super) fn quantise(
     let statistics = normaliser.shift().iter().zip(normaliser.scale());
     let mut channels = out.iter_mut().zip(statistics);
     for part in parts {
-        for (raw, (out, (shift, scale))) in part.iter().zip(channels.by_ref()) {
-            *out = fixed((raw - shift) * scale, fraction_bits);
-        }
+        quantise_part(part, &mut channels, fraction_bits);
     }
     Ok(())
+}
+
+/// Once in an image and not once for each part.
+#[inline(never)]
+fn quantise_part<'a>(
+    part: &[f32],
+    channels: &mut impl Iterator<Item = (&'a mut i16, (&'a f32, &'a f32))>,
+    fraction_bits: u8,
+) {
+    for (raw, (out, (shift, scale))) in part.iter().zip(channels) {
+        *out = fixed((raw - shift) * scale, fraction_bits);
+    }
 }
 
 #[cfg(test)]

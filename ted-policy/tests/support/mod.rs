@@ -118,14 +118,14 @@ pub fn minimal() -> ArtifactSpec<'static> {
         contract: Contract::new(
             "reach-v3",
             &[ObservationChannel {
-                name: "x",
-                unit: "m",
+                name: "x".into(),
+                unit: "m".into(),
                 low: -1.0,
                 high: 1.0,
             }],
             &[ActionChannel {
-                name: "dx",
-                unit: "cm",
+                name: "dx".into(),
+                unit: "cm".into(),
                 low: -1.0,
                 high: 1.0,
                 slew_per_tick: 2.0,
@@ -160,15 +160,15 @@ pub fn minimal() -> ArtifactSpec<'static> {
 }
 
 fn contract() -> Contract<'static> {
-    let observation = |name, low| ObservationChannel {
-        name,
-        unit: "m",
+    let observation = |name: &'static str, low| ObservationChannel {
+        name: name.into(),
+        unit: "m".into(),
         low,
         high: 3.0,
     };
-    let action = |name, on_fault| ActionChannel {
-        name,
-        unit: "cm",
+    let action = |name: &'static str, on_fault| ActionChannel {
+        name: name.into(),
+        unit: "cm".into(),
         low: -1.0,
         high: 1.0,
         slew_per_tick: 0.5,

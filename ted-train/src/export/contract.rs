@@ -73,8 +73,8 @@ impl ContractText {
             .observation
             .iter()
             .map(|(name, unit, low, high)| ObservationChannel {
-                name,
-                unit,
+                name: name.as_str().into(),
+                unit: (*unit).into(),
                 low: *low,
                 high: *high,
             })
@@ -84,8 +84,8 @@ impl ContractText {
             .action
             .iter()
             .map(|(name, unit, on_fault)| ActionChannel {
-                name,
-                unit,
+                name: name.as_str().into(),
+                unit: (*unit).into(),
                 low: -1.0,
                 high: 1.0,
                 slew_per_tick: 2.0,

@@ -259,8 +259,8 @@ impl ContractText {
                 .iter()
                 .zip(standardisation)
                 .map(|(channel, (&shift, &scale))| ChannelText {
-                    name: channel.name.to_owned(),
-                    unit: channel.unit.to_owned(),
+                    name: channel.name.to_string(),
+                    unit: channel.unit.to_string(),
                     low: channel.low,
                     high: channel.high,
                     shift,
@@ -271,8 +271,8 @@ impl ContractText {
                 .action
                 .iter()
                 .map(|channel| ActionText {
-                    name: channel.name.to_owned(),
-                    unit: channel.unit.to_owned(),
+                    name: channel.name.to_string(),
+                    unit: channel.unit.to_string(),
                     low: channel.low,
                     high: channel.high,
                     slew_per_tick: channel.slew_per_tick,

@@ -50,14 +50,14 @@ impl Network {
 /// What a controller accepts: every channel up to this.
 fn contract(largest: f32) -> Contract<'static> {
     let observation = ObservationChannel {
-        name: "x",
-        unit: "m",
+        name: "x".into(),
+        unit: "m".into(),
         low: -largest,
         high: largest,
     };
     let action = ActionChannel {
-        name: "dx",
-        unit: "cm",
+        name: "dx".into(),
+        unit: "cm".into(),
         low: -1.0,
         high: 1.0,
         slew_per_tick: 2.0,

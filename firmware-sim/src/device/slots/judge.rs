@@ -36,7 +36,8 @@ pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
         checksum: artifact.checksum(),
         integers: artifact.has_integers(),
         wiring: wiring(terms),
-        task: name(terms.task),
+        // It fits, or it would be shorter.
+        task: Name::from_slice(terms.task.beginning(NAME_LENGTH).as_bytes()).unwrap_or_default(),
     })
 }
 
@@ -47,12 +48,6 @@ pub(in crate::device) fn refusal(error: ArtifactError) -> Refusal {
         ArtifactError::GoldenMismatch { case, .. } => Refusal::Golden { case: case as u16 },
         other => Refusal::Defect { code: other.code() },
     }
-}
-
-/// As much of a text as a greeting has room for, whole characters only.
-pub(in crate::device) fn name(text: &str) -> Name {
-    let fits = text.get(..text.floor_char_boundary(NAME_LENGTH));
-    Name::try_from(fits.unwrap_or_default()).unwrap_or_default()
 }
 
 /// A digest of what a robot is wired by: names, units and order of the channels, and the control period.
@@ -70,9 +65,9 @@ fn wiring(terms: &Terms<'_>) -> u32 {
     let mut digest = crc32(&[&terms.control_period_us.to_le_bytes()]);
     for (kind, (name, unit)) in observation.map(|c| (0, c)).chain(action.map(|c| (1, c))) {
         // The lengths keep "ab", "c" apart from "a", "bc".
+        let (name, unit) = (name.as_bytes(), unit.as_bytes());
         let lengths = [kind, name.len() as u8, unit.len() as u8];
-        let so_far = digest.to_le_bytes();
-        digest = crc32(&[&so_far, &lengths, name.as_bytes(), unit.as_bytes()]);
+        digest = crc32(&[&digest.to_le_bytes(), &lengths, name, unit]);
     }
     digest
 }

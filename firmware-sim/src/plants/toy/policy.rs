@@ -207,15 +207,15 @@ fn normaliser() -> Result<Normaliser<'static>, ShapeError> {
 }
 
 fn contract() -> Result<Contract<'static>, ContractFault> {
-    let observe = |name| ObservationChannel {
-        name,
-        unit: "table",
+    let observe = |name: &'static str| ObservationChannel {
+        name: name.into(),
+        unit: "table".into(),
         low: -1.0,
         high: 1.0,
     };
-    let act = |name, unit, slew_per_tick, on_fault| ActionChannel {
-        name,
-        unit,
+    let act = |name: &'static str, unit: &'static str, slew_per_tick, on_fault| ActionChannel {
+        name: name.into(),
+        unit: unit.into(),
         low: -1.0,
         high: 1.0,
         slew_per_tick,
