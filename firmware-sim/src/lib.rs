@@ -44,4 +44,6 @@ pub mod scoring;
 mod splitmix;
 #[cfg(feature = "std")]
 pub mod tasks;
+#[cfg(feature = "std")]
+mod wait;
 pub mod workspace;

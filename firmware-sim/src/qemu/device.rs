@@ -6,18 +6,15 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
+use rustix::event::PollFlags;
 
 use super::{Board, QemuError};
-use crate::interrupt;
 use crate::last_words::Listener;
+use crate::remote::NoLink;
+use crate::wait::{Waited, wait};
 
 /// How long one reading waits, if nothing else is asked for.
 const PATIENCE: Duration = Duration::from_millis(500);
-
-/// How soon a request to stop is noticed while waiting.
-const SLICE: Duration = Duration::from_millis(100);
 
 /// How long a process may take to end after it closed its streams.
 const WAIT_FOR_END: Duration = Duration::from_secs(1);
@@ -89,11 +86,12 @@ impl Device {
     fn ended(&mut self) -> io::Error {
         let status = self.own_end();
         self.kill();
-        io::Error::other(QemuError::Ended {
+        NoLink::from(QemuError::Ended {
             board: self.board,
             status: status.map_or("it closed the link".to_owned(), |s| s.to_string()),
             last_words: self.stderr.words(),
         })
+        .into()
     }
 
     /// How the process ended by itself, if it does: its streams close a little before it can be reaped.
@@ -108,31 +106,15 @@ impl Device {
     }
 
     fn wait(&self, readable: bool) -> io::Result<()> {
-        let fd = match readable {
-            true => PollFd::new(&self.from_board, PollFlags::IN),
-            false => PollFd::new(&self.to_board, PollFlags::OUT),
+        let waited = match readable {
+            true => wait(&self.from_board, PollFlags::IN, self.patience),
+            false => wait(&self.to_board, PollFlags::OUT, self.patience),
         };
-        let deadline = Instant::now() + self.patience;
-        loop {
-            let left = deadline.saturating_duration_since(Instant::now());
-            let slice = left.min(SLICE);
-            let slice = Timespec {
-                tv_sec: 0,
-                tv_nsec: slice.subsec_nanos().into(),
-            };
-            match poll(&mut [fd.clone()], Some(&slice)) {
-                Ok(0) | Err(Errno::INTR) => {}
-                Ok(_) => return Ok(()),
-                Err(error) => return Err(error.into()),
-            }
-            if interrupt::requested() {
-                return Err(io::Error::other(QemuError::Interrupted {
-                    board: self.board,
-                }));
-            }
-            if left.is_zero() {
-                return Err(ErrorKind::TimedOut.into());
-            }
+        let board = self.board;
+        match waited? {
+            Waited::Ready => Ok(()),
+            Waited::TimedOut => Err(ErrorKind::TimedOut.into()),
+            Waited::Stopped => Err(NoLink::from(QemuError::Interrupted { board }).into()),
         }
     }
 }
@@ -142,7 +124,7 @@ impl Read for Device {
     ///
     /// # Errors
     /// [`ErrorKind::TimedOut`] when nothing comes for as long as its patience; anything else means that the device is gone
-    /// or that the person asked to stop, and holds a [`QemuError`].
+    /// or that the person asked to stop, and holds a [`NoLink`].
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         self.wait(true)?;
         match self.from_board.read(into) {

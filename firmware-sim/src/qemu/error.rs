@@ -9,6 +9,7 @@ use super::board::FLASH_BYTES;
 use super::{Board, EMULATOR_VARIABLE, FIRMWARE_VARIABLE};
 use crate::exit::ExitCode;
 use crate::last_words::LastWords;
+use crate::remote::NoLink;
 
 /// What went wrong with an emulated board.
 #[derive(Debug, Error)]
@@ -140,5 +141,11 @@ impl QemuError {
             Self::NoFlashImage { .. } => ExitCode::BadInput,
             _ => ExitCode::Environment,
         }
+    }
+}
+
+impl From<QemuError> for NoLink {
+    fn from(error: QemuError) -> Self {
+        Self::new(error.exit_code(), error)
     }
 }

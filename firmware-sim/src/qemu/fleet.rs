@@ -1,8 +1,7 @@
 //! As many boards of one kind as are asked for, each greeted over its link.
 
-use std::io;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::{Board, Device, Emulator, Firmware, Link, QemuError};
@@ -59,6 +58,12 @@ impl Fleet {
         self.link
     }
 
+    /// The file of their flash.
+    #[must_use]
+    pub fn flash_image(&self) -> Option<&Path> {
+        self.flash_image.as_deref()
+    }
+
     /// How many boards can run at once: one if it has a file for its flash.
     #[must_use]
     pub fn limit(&self) -> NonZeroUsize {
@@ -76,7 +81,7 @@ impl Fleet {
         let device = self
             .emulator
             .start(&self.firmware, self.link, self.flash_image.as_deref())
-            .map_err(io::Error::other)?;
+            .map_err(|error| RemoteError::NoLink(error.into()))?;
         let options = LinkOptions {
             timeout: TIMEOUT,
             tries: 3,

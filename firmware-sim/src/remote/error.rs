@@ -5,16 +5,19 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use super::NoLink;
 use crate::device::message::Refusal;
 use crate::exit::ExitCode;
-use crate::qemu::QemuError;
 
 /// Why a request to a device failed.
 #[derive(Debug, Error)]
 pub enum RemoteError {
-    /// The link broke.
+    /// The link broke, nobody knows why.
     #[error("talk to the device: {0}")]
-    Link(#[from] io::Error),
+    Link(#[source] io::Error),
+    /// There is no link, or none any more, and whoever provides it knows why.
+    #[error(transparent)]
+    NoLink(#[from] NoLink),
     /// No answer came, however often the request was sent.
     #[error(
         "{asked}: no answer from the device after {tries} tries of {} ms; is it running, and is this its link?",
@@ -71,12 +74,9 @@ impl RemoteError {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            // A link that belongs to a board of ours knows more.
-            Self::Link(source) => source
-                .get_ref()
-                .and_then(|source| source.downcast_ref::<QemuError>())
-                .map_or(ExitCode::Environment, QemuError::exit_code),
-            Self::Silent { .. }
+            Self::NoLink(reason) => reason.exit_code(),
+            Self::Link(_)
+            | Self::Silent { .. }
             | Self::Version { .. }
             | Self::Unexpected { .. }
             | Self::NotFlying => ExitCode::Environment,
@@ -97,6 +97,15 @@ impl RemoteError {
                 | Refusal::Offset { .. }
                 | Refusal::Flash => ExitCode::Environment,
             },
+        }
+    }
+}
+
+impl From<io::Error> for RemoteError {
+    fn from(error: io::Error) -> Self {
+        match error.downcast() {
+            Ok(reason) => Self::NoLink(reason),
+            Err(error) => Self::Link(error),
         }
     }
 }

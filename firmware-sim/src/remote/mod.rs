@@ -10,6 +10,7 @@ mod error;
 mod flash;
 #[cfg(test)]
 mod golden;
+mod no_link;
 mod refusal;
 mod scorer;
 
@@ -17,4 +18,5 @@ pub use connection::{Connection, DeviceHello, LinkErrors, LinkOptions};
 pub use controller::RemoteController;
 pub use error::RemoteError;
 pub use flash::{Flashed, Progress, flash};
+pub use no_link::NoLink;
 pub use scorer::RemoteScorer;

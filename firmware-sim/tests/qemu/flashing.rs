@@ -58,7 +58,7 @@ fn what_flew_before_flies_on_when_the_plug_is_pulled_in_the_middle_of_an_artefac
         }
         connection.stream().kill();
         let error = connection.greet();
-        assert!(matches!(error, Err(RemoteError::Link(_))), "{error:?}");
+        assert!(matches!(error, Err(RemoteError::NoLink(_))), "{error:?}");
         drop(connection);
 
         let connection = fleet.connect().unwrap();
