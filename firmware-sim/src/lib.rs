@@ -41,6 +41,8 @@ pub mod scorer;
 #[cfg(feature = "std")]
 pub mod scoring;
 #[cfg(feature = "std")]
+pub mod serial;
+#[cfg(feature = "std")]
 mod splitmix;
 #[cfg(feature = "std")]
 pub mod tasks;
