@@ -4,24 +4,28 @@ use std::fmt::{self, Display};
 
 use serde::Serialize;
 
-use crate::qemu::{Fleet, instructions};
+use super::boards::Boards;
+use crate::qemu::instructions;
 use crate::rollout::{DeviceLink, DeviceSummary, Work};
 
 /// The boards' part of a report.
 #[derive(Debug, Serialize)]
 pub struct DeviceReport {
-    /// The board.
+    /// What the board calls itself.
     pub board: String,
-    /// The emulator and its version.
-    pub emulator: String,
+    /// The emulator and its version; none for a board of one's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emulator: Option<String>,
     /// The link to it.
     pub link: String,
+    /// What `tick` and `scoring` are counted in.
+    pub unit: Unit,
     /// What ticks took.
-    pub tick: Instructions,
+    pub tick: Taken,
     /// What scoring them took.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub scoring: Option<Instructions>,
-    /// The most stack that was ever in use, in bytes.
+    pub scoring: Option<Taken>,
+    /// The most stack that was ever in use, in bytes; 0 if the board does not know.
     pub stack_high_water: u32,
     /// What went wrong on the link.
     pub link_errors: LinkErrors,
@@ -29,9 +33,21 @@ pub struct DeviceReport {
     pub scores: Vec<Score>,
 }
 
-/// Instructions of the emulated processor.
+/// What a board's work is counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// Instructions of the emulated processor, which its clock counts.
+    Instructions,
+    /// Microseconds, by the board's counter.
+    Microseconds,
+    /// Ticks of the board's counter, which does not say how long they are.
+    CounterTicks,
+}
+
+/// What something took, in a [`Unit`].
 #[derive(Debug, Serialize)]
-pub struct Instructions {
+pub struct Taken {
     /// On average.
     pub mean: f64,
     /// At most.
@@ -56,10 +72,22 @@ pub struct Score {
 
 impl DeviceReport {
     /// What these boards say.
-    pub fn of(fleet: &Fleet, summary: &DeviceSummary) -> Self {
-        let counted = |work: &Work| Instructions {
-            mean: instructions(work.mean(), summary.work_hz),
-            max: instructions(f64::from(work.max), summary.work_hz),
+    pub fn of(boards: &Boards, summary: &DeviceSummary) -> Self {
+        let unit = match boards {
+            Boards::Emulated(_) => Unit::Instructions,
+            Boards::Serial(_) if summary.work_hz > 0 => Unit::Microseconds,
+            Boards::Serial(_) => Unit::CounterTicks,
+        };
+        let counted = |work: &Work| Taken {
+            mean: unit.of(work.mean(), summary.work_hz),
+            max: unit.of(f64::from(work.max), summary.work_hz),
+        };
+        let (emulator, link) = match boards {
+            Boards::Emulated(fleet) => (
+                Some(format!("QEMU {}", fleet.emulator().version())),
+                fleet.link().to_string(),
+            ),
+            Boards::Serial(board) => (None, format!("serial:{}", board.path().display())),
         };
         let DeviceLink {
             retries,
@@ -72,9 +100,10 @@ impl DeviceReport {
             top_k: score.top_k,
         });
         Self {
-            board: fleet.board().to_string(),
-            emulator: format!("QEMU {}", fleet.emulator().version()),
-            link: fleet.link().to_string(),
+            board: summary.board.clone(),
+            emulator,
+            link,
+            unit,
             tick: counted(&summary.work),
             scoring: (summary.scoring.times > 0).then(|| counted(&summary.scoring)),
             stack_high_water: summary.stack_high_water,
@@ -89,25 +118,46 @@ impl DeviceReport {
     }
 }
 
+impl Unit {
+    /// What so many ticks of a counter are in it, of which there are `work_hz` in a second.
+    fn of(self, ticks: f64, work_hz: u32) -> f64 {
+        match self {
+            Self::Instructions => instructions(ticks, work_hz),
+            Self::Microseconds => 1e6 * ticks / f64::from(work_hz),
+            Self::CounterTicks => ticks,
+        }
+    }
+
+    /// A line of the table.
+    fn line(self, taken: &Taken) -> String {
+        let Taken { mean, max } = taken;
+        match self {
+            Self::Instructions => format!("{mean:.0} instructions a tick, at most {max:.0}"),
+            Self::Microseconds => {
+                format!("{mean:.1} us a tick, at most {max:.1}, by the board's counter")
+            }
+            Self::CounterTicks => {
+                format!("{mean:.0} ticks of the board's counter a tick, at most {max:.0}")
+            }
+        }
+    }
+}
+
 impl Display for DeviceReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "board       {} in {}, link {}",
-            self.board, self.emulator, self.link
-        )?;
-        let Instructions { mean, max } = &self.tick;
-        writeln!(
-            f,
-            "work        {mean:.0} instructions a tick, at most {max:.0}"
-        )?;
-        if let Some(Instructions { mean, max }) = &self.scoring {
-            writeln!(
-                f,
-                "scoring     {mean:.0} instructions a tick, at most {max:.0}"
-            )?;
+        write!(f, "board       {}", self.board)?;
+        if let Some(emulator) = &self.emulator {
+            write!(f, " in {emulator}")?;
         }
-        writeln!(f, "stack       {} bytes at most", self.stack_high_water)?;
+        writeln!(f, ", link {}", self.link)?;
+        writeln!(f, "work        {}", self.unit.line(&self.tick))?;
+        if let Some(scoring) = &self.scoring {
+            writeln!(f, "scoring     {}", self.unit.line(scoring))?;
+        }
+        match self.stack_high_water {
+            0 => writeln!(f, "stack       not measured by this board")?,
+            bytes => writeln!(f, "stack       {bytes} bytes at most")?,
+        }
         let LinkErrors {
             retries,
             damaged,

@@ -2,28 +2,31 @@
 
 use std::path::PathBuf;
 
-use super::artefact;
 use clap::Args;
 use serde::Serialize;
 
+use super::artefact;
+use super::boards::BoardArgs;
+use super::on::On;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::OutputArgs;
-use crate::qemu::{Board, Fleet, Link};
 use crate::remote::flash;
 
 const EXAMPLES: &str = "\
 Examples:
   firmware-sim flash policy.ted --on mps2-an386 --flash-image robot.flash
   firmware-sim fly policy.ted --task drawer-open-v3 --on mps2-an386 --flash-image robot.flash
+  firmware-sim flash policy.ted --on serial:/dev/ttyACM0
+  firmware-sim flash policy.ted --on serial:/dev/ttyUSB0 --baud 115200 --accept-other-contract
 
 The board writes the artefact into the slot that does not fly, and flies it once it has found it good: checksum, contract, \
 golden vectors in all numbers. Whatever happens before that, a power cut included, the policy that flew before flies on.
 
-Exit codes: 0 it flies, 2 usage, 3 the artefact is broken or has another contract, or the file is no flash, 4 QEMU or the firmware is missing or \
-failed, 5 another board uses the file, 6 the file cannot be written, 7 the board does not compute its golden vectors, \
-130 interrupted.";
+Exit codes: 0 it flies, 2 usage, 3 the artefact is broken or has another contract, or the file is no flash, 4 QEMU, the \
+firmware or the board is missing or failed, 5 somebody else has the file or the serial port, 6 the file cannot be written, \
+7 the board does not compute its golden vectors, 130 interrupted.";
 
 /// Give a board another policy
 #[derive(Debug, Args)]
@@ -31,15 +34,12 @@ failed, 5 another board uses the file, 6 the file cannot be written, 7 the board
 pub struct FlashArgs {
     /// The artefact
     policy: PathBuf,
-    /// The board, emulated by QEMU
-    #[arg(long, value_enum)]
-    on: Board,
-    /// The link to the board
-    #[arg(long, value_enum, default_value_t = Link::Fifo)]
-    link: Link,
-    /// The file that keeps the board's flash; made if it is not there. Without it this is a rehearsal
-    #[arg(long, value_name = "FILE")]
-    flash_image: Option<PathBuf>,
+    /// A board that QEMU emulates, mps2-an386, mps2-an500 or mps2-an505, which is a rehearsal without --flash-image; or a
+    /// board of your own, serial:PORT, such as serial:/dev/ttyACM0
+    #[arg(long, value_name = "WHERE")]
+    on: On,
+    #[command(flatten)]
+    board: BoardArgs,
     /// Take an artefact whose channels, units or control period are not those of the policy that flies
     #[arg(long)]
     accept_other_contract: bool,
@@ -65,9 +65,13 @@ pub fn run(args: &FlashArgs) -> Result<ExitCode, Failure> {
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
     let audience = args.output.audience();
-    let fleet = Fleet::find(args.on, args.link, args.flash_image.clone(), audience)
-        .map_err(|error| Failure::new(error.exit_code(), error))?;
-    let mut connection = fleet.connect()?;
+    let boards = args.board.boards(&args.on, audience)?.ok_or_else(|| {
+        Failure::new(
+            ExitCode::Usage,
+            "this machine has no flash for artefacts: name a board with --on",
+        )
+    })?;
+    let mut connection = boards.connect()?;
     let progress = audience.start("flash", bytes.len() as u64, "bytes");
     let mut shown = 0;
     let done = flash(&mut connection, &bytes, args.accept_other_contract, |now| {
@@ -83,7 +87,7 @@ pub fn run(args: &FlashArgs) -> Result<ExitCode, Failure> {
         crc32: format!("{:08x}", done.checksum),
         task: hello.task.clone(),
         bytes: bytes.len(),
-        kept: args.flash_image.is_some(),
+        kept: boards.remember(),
     };
     args.output.print(&flashed, || {
         let Flashed {

@@ -7,6 +7,7 @@ use std::thread;
 
 use ted_policy::Artifact;
 
+use super::boards::Boards;
 use super::device_report::DeviceReport;
 use super::fly::FlyArgs;
 use super::report::Report;
@@ -22,8 +23,8 @@ use crate::plants::metaworld::MetaWorldPlant;
 use crate::plants::recorder::{Recorder, Shelf};
 use crate::plants::recording::{RecordingShape, Recordings};
 use crate::plants::replay::ReplayPlant;
-use crate::qemu::{Device, Fleet};
-use crate::remote::{RemoteController, RemoteError};
+use crate::progress::Progress;
+use crate::remote::{RemoteController, RemoteError, Stream};
 use crate::rollout::{
     DeviceSummary, Flight, FlyError, Pilot, episode_seeds, fly, fly_episode, fly_with,
 };
@@ -41,7 +42,7 @@ pub struct Crew<'c> {
     /// Its bytes, for a board.
     pub bytes: &'c [u8],
     /// The boards; none to fly on this machine.
-    pub fleet: Option<Fleet>,
+    pub boards: Option<Boards>,
 }
 
 impl Crew<'_> {
@@ -103,7 +104,7 @@ impl Crew<'_> {
                 .start("fly", u64::from(self.args.episodes), "episodes");
         let stop = interrupt::requested;
         let landed = |_: &_| progress.advance(1);
-        let flight = match &self.fleet {
+        let flight = match &self.boards {
             None => {
                 let numeric = self.args.seat.numeric;
                 fly(
@@ -116,10 +117,10 @@ impl Crew<'_> {
                     landed,
                 )
             }
-            Some(fleet) => {
-                let workers = workers.min(fleet.limit());
+            Some(boards) => {
+                let workers = workers.min(boards.limit());
                 fly_with(
-                    || self.pilot(fleet),
+                    || self.pilot(boards, &progress),
                     make_plant,
                     &seeds,
                     workers,
@@ -158,18 +159,22 @@ impl Crew<'_> {
         let replay = ReplayPlant::new(shape, episodes).map_err(|error| bad(&error))?;
         let seeds: Vec<u64> = replay.seeds().collect();
         let mut plant = FaultInjector::new(replay, self.args.fault.clone(), self.args.seed);
-        let flight = match &self.fleet {
+        let audience = self.args.output.audience();
+        let progress = audience.start("replay", seeds.len() as u64, "episodes");
+        let flight = match &self.boards {
             None => {
                 let numeric = self.args.seat.numeric;
                 let mut controller =
                     Controller::load(self.artifact, numeric).map_err(FlyError::Load)?;
-                self.replay(&mut controller, &mut plant, &seeds)?
+                self.replay(&mut controller, &mut plant, &seeds, &progress)?
             }
-            Some(fleet) => {
-                let mut pilot = self.pilot(fleet).map_err(FlyError::NoPilot)?;
-                self.replay(&mut pilot, &mut plant, &seeds)?
+            Some(boards) => {
+                let pilot = self.pilot(boards, &progress);
+                let mut pilot = pilot.map_err(FlyError::NoPilot)?;
+                self.replay(&mut pilot, &mut plant, &seeds, &progress)?
             }
         };
+        progress.finish();
         Ok(Report {
             largest_difference: plant.inner().largest_difference(),
             ..self.report(&flight)
@@ -182,9 +187,8 @@ impl Crew<'_> {
         pilot: &mut impl Pilot,
         plant: &mut impl Plant,
         seeds: &[u64],
+        progress: &Progress,
     ) -> Result<Flight, Failure> {
-        let audience = self.args.output.audience();
-        let progress = audience.start("replay", seeds.len() as u64, "episodes");
         let mut flight = Flight::default();
         let mut debriefs = Vec::new();
         for &seed in seeds {
@@ -198,20 +202,24 @@ impl Crew<'_> {
             flight.tick_times.append(times);
             progress.advance(1);
         }
-        progress.finish();
         flight.device = DeviceSummary::of(debriefs);
         Ok(flight)
     }
 
-    fn pilot(&self, fleet: &Fleet) -> Result<RemoteController<Device>, RemoteError> {
-        let connection = seat::connect(fleet, self.artifact, self.bytes)?;
+    /// The work that waits for it shows how far it is.
+    fn pilot(
+        &self,
+        boards: &Boards,
+        waiting: &Progress,
+    ) -> Result<RemoteController<Box<dyn Stream>>, RemoteError> {
+        let connection = seat::connect(boards, self.artifact, self.bytes, waiting)?;
         Ok(RemoteController::new(connection, self.args.seat.start()))
     }
 
     fn report(&self, flight: &Flight) -> Report {
-        let device = self.fleet.as_ref().zip(flight.device.as_ref());
+        let device = self.boards.as_ref().zip(flight.device.as_ref());
         Report {
-            device: device.map(|(fleet, summary)| DeviceReport::of(fleet, summary)),
+            device: device.map(|(boards, summary)| DeviceReport::of(boards, summary)),
             ..Report::of(flight, self.artifact)
         }
     }

@@ -24,12 +24,14 @@ Examples:
   firmware-sim fly toy.ted --plant replay --recording flight.json
   firmware-sim fly toy.ted --plant toy --on mps2-an386
   firmware-sim fly policy.ted --task drawer-open-v3 --episodes 5 --on mps2-an505 --link uart --numeric integer
+  firmware-sim fly policy.ted --task drawer-open-v3 --episodes 5 --on serial:/dev/ttyACM0 --numeric integer
 
 On a board the same controller flies from the same artefact and gives the same report, to the bit; beside it the report \
-says what a tick took, in instructions of the emulated processor, not in cycles of a real one.
+says what a tick took: in instructions of the emulated processor, not in cycles of a real one, or in microseconds by the \
+counter of a board of your own.
 
-Exit codes: 0 flown without a fault, 2 usage, 3 the artefact or recording is broken, 4 Python, the simulator, QEMU or \
-the firmware is missing or failed, 5 another board uses the flash image, 6 a file cannot be written, 7 the controller latched a fault, 130 interrupted.";
+Exit codes: 0 flown without a fault, 2 usage, 3 the artefact or recording is broken, 4 Python, the simulator, QEMU, \
+the firmware or the board is missing or failed, 5 somebody else has the flash image or the serial port, 6 a file cannot be written, 7 the controller latched a fault, 130 interrupted.";
 
 /// Fly an artefact behind the controller and report return, score, success, tick times and faults
 #[derive(Debug, Args)]
@@ -89,7 +91,7 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         args,
         artifact: &artifact,
         bytes: &bytes,
-        fleet: args.seat.fleet(bytes.len(), args.output.audience())?,
+        boards: args.seat.boards(bytes.len(), args.output.audience())?,
     };
     let (flight, recorded) = match args.plant {
         PlantKind::Metaworld => crew.fly_metaworld()?,

@@ -1,10 +1,12 @@
 //! The `firmware-sim` command line: flying an artefact, saying how it went, and which flights are worth keeping.
 
 mod artefact;
+mod boards;
 mod device_report;
 mod flash;
 mod flights;
 mod fly;
+mod on;
 mod report;
 mod score;
 mod seat;

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display};
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use ted_core::{DiscountClass, NEW_EPISODE, TedDiscount};
 
@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::OutputArgs;
 use crate::plants::recording::{Recording, Recordings};
+use crate::progress::Progress;
 use crate::remote::RemoteScorer;
 use crate::scoring::{Judge, ScoreError, Verdict, check, judge, score_recording};
 
@@ -23,6 +24,7 @@ Examples:
   firmware-sim toy toy.ted && firmware-sim fly toy.ted --plant toy --record flight.json
   firmware-sim score toy.ted --recording flight.json
   firmware-sim score toy.ted --recording flight.json --on mps2-an386 --numeric integer --json
+  firmware-sim score policy.ted --recording flight.json --on serial:/dev/ttyACM0
 
 The artefact's reward ensemble predicts the return of every episode from what was seen and what was sent; the rewards in the \
 recording are not looked at. TED's border, also in the artefact, tells the top k % of the training data from the rest. An \
@@ -31,8 +33,8 @@ worth uploading, and are named at the end, the best first. A recorded episode co
 border's it lies below. A board computes what this machine computes, to the bit.
 
 Exit codes: 0 scored, 2 usage, 3 the artefact or recording is broken, they do not fit each other, or the artefact cannot \
-score, 4 QEMU or the firmware is missing or failed, 5 another board uses the flash image, 7 the golden vectors come out \
-differently, 130 interrupted.";
+score, 4 QEMU, the firmware or the board is missing or failed, 5 somebody else has the flash image or the serial port, \
+7 the golden vectors come out differently, 130 interrupted.";
 
 /// Score recorded episodes as the trainer would, and say which are worth uploading
 #[derive(Debug, Args)]
@@ -94,21 +96,24 @@ pub fn run(args: &ScoreArgs) -> Result<ExitCode, Failure> {
     })?;
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
-    let episodes = match args.seat.fleet(bytes.len(), args.output.audience())? {
-        None => score_all(&mut here, &recordings, ted, args)?,
-        Some(fleet) => {
-            let connection = seat::connect(&fleet, &artifact, &bytes)?;
+    let audience = args.output.audience();
+    let boards = args.seat.boards(bytes.len(), audience)?;
+    let progress = audience.start("score", recordings.episodes.len() as u64, "episodes");
+    let episodes = match &boards {
+        None => score_all(&mut here, &recordings, ted, &progress)?,
+        Some(boards) => {
+            let connection = seat::connect(boards, &artifact, &bytes, &progress)?;
             let mut there = RemoteScorer::new(connection, args.seat.start());
-            score_all(&mut there, &recordings, ted, args)?
+            score_all(&mut there, &recordings, ted, &progress)?
         }
     };
-    let on = args.seat.on.to_possible_value();
+    progress.finish();
     let report = Report {
         policy: args.policy.display().to_string(),
         trained_for: artifact.contract().task.to_owned(),
         recording: args.recording.display().to_string(),
         numeric: args.seat.numeric,
-        on: on.map_or_else(String::new, |on| on.get_name().to_owned()),
+        on: args.seat.on.to_string(),
         upload: upload(&episodes),
         episodes,
     };
@@ -121,14 +126,9 @@ fn score_all(
     judge: &mut impl Judge,
     recordings: &Recordings,
     ted: TedDiscount,
-    args: &ScoreArgs,
+    progress: &Progress,
 ) -> Result<Vec<EpisodeLine>, Failure> {
-    let total = recordings.episodes.len();
-    let progress = args
-        .output
-        .audience()
-        .start("score", total as u64, "episodes");
-    let mut lines = Vec::with_capacity(total);
+    let mut lines = Vec::with_capacity(recordings.episodes.len());
     for recording in &recordings.episodes {
         if interrupt::requested() {
             return Err(Failure::new(
@@ -143,7 +143,6 @@ fn score_all(
         lines.push(EpisodeLine::of(recording, verdict, ted));
         progress.advance(1);
     }
-    progress.finish();
     Ok(lines)
 }
 

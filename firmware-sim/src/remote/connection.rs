@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use super::RemoteError;
+use super::{RemoteError, Stream};
 use crate::device::frame::{self, MAX_FRAME};
 use crate::device::message::{Acted, Hello, PROTOCOL_VERSION, Reply, Request};
 use crate::device::slots::SlotReport;
@@ -151,6 +151,22 @@ impl<S: Read + Write> Connection<S> {
     /// Hangs up, and gives the stream back.
     pub fn into_stream(self) -> S {
         self.stream
+    }
+
+    /// The same connection, over a stream of any kind.
+    pub fn boxed(self) -> Connection<Box<dyn Stream>>
+    where
+        S: Stream + 'static,
+    {
+        Connection {
+            stream: Box::new(self.stream),
+            options: self.options,
+            receiver: self.receiver,
+            number: self.number,
+            errors: self.errors,
+            silent: self.silent,
+            hello: self.hello,
+        }
     }
 
     /// Sends a request until it is answered. `asked` says what it is for, in errors.

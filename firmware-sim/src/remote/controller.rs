@@ -131,6 +131,7 @@ impl<S: Read + Write> Pilot for RemoteController<S> {
         let health = self.health()?;
         let (health_before, errors_before) = self.before;
         Ok(Some(Debrief {
+            board: self.hello().board.clone(),
             score: self.score,
             work: self.work,
             scoring: self.scoring,

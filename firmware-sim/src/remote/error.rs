@@ -20,7 +20,7 @@ pub enum RemoteError {
     NoLink(#[from] NoLink),
     /// No answer came, however often the request was sent.
     #[error(
-        "{asked}: no answer from the device after {tries} tries of {} ms; is it running, and is this its link?",
+        "{asked}: no answer from the device after {tries} tries of {} ms; is it running, and is this its link, at its speed?",
         timeout.as_millis()
     )]
     Silent {

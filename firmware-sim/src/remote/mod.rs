@@ -13,6 +13,7 @@ mod golden;
 mod no_link;
 mod refusal;
 mod scorer;
+mod stream;
 
 pub use connection::{Connection, DeviceHello, LinkErrors, LinkOptions};
 pub use controller::RemoteController;
@@ -20,3 +21,4 @@ pub use error::RemoteError;
 pub use flash::{Flashed, Progress, flash};
 pub use no_link::NoLink;
 pub use scorer::RemoteScorer;
+pub use stream::Stream;

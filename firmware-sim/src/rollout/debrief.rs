@@ -103,8 +103,10 @@ impl DeviceLink {
 }
 
 /// What a device says of one episode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Debrief {
+    /// What the board calls itself.
+    pub board: String,
     /// What it thinks of the episode, if its artefact has a reward ensemble and TED's border.
     pub score: Option<Score>,
     /// What its ticks took.
@@ -122,6 +124,8 @@ pub struct Debrief {
 /// What the devices of a flight say of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviceSummary {
+    /// What the boards call themselves.
+    pub board: String,
     /// What they think of the episodes, in the order of the flight; empty if it cannot score.
     pub scores: Vec<Score>,
     /// What ticks took.
@@ -143,6 +147,7 @@ impl DeviceSummary {
         let mut summary = None;
         for debrief in debriefs {
             let sum: &mut Self = summary.get_or_insert_default();
+            sum.board = debrief.board;
             sum.scores.extend(debrief.score);
             sum.work.append(debrief.work);
             sum.scoring.append(debrief.scoring);

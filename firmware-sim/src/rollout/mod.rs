@@ -181,7 +181,7 @@ struct Landed {
 impl Flight {
     fn of(home: Vec<Landed>) -> Self {
         let mut flight = Self {
-            device: DeviceSummary::of(home.iter().filter_map(|landed| landed.debrief)),
+            device: DeviceSummary::of(home.iter().filter_map(|landed| landed.debrief.clone())),
             ..Self::default()
         };
         for landed in home {
