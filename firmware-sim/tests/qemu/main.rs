@@ -12,4 +12,5 @@ mod flashing;
 mod flight;
 mod lifetime;
 mod memory;
+mod serial;
 mod shapes;
