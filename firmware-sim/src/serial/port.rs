@@ -17,7 +17,7 @@ use super::SerialError;
 use crate::remote::NoLink;
 use crate::wait::{Waited, wait};
 
-/// How long one reading waits. Whoever reads knows better how long is too long.
+/// How long one reading waits, if nothing else is asked for. Whoever reads knows how many are too long.
 const READ_PATIENCE: Duration = Duration::from_millis(100);
 
 /// How long a writing waits for room. A port holds several frames, and one is on its way at a time.
@@ -28,6 +28,7 @@ const WRITE_PATIENCE: Duration = Duration::from_secs(2);
 pub struct SerialPort {
     file: File,
     path: PathBuf,
+    read_patience: Duration,
 }
 
 impl SerialPort {
@@ -51,6 +52,7 @@ impl SerialPort {
         let port = Self {
             file,
             path: path.to_owned(),
+            read_patience: READ_PATIENCE,
         };
         let found = port.set_up(baud).map_err(failed)?;
         // A divisor is a whole number, so a real port is a little off; a receiver takes 2 %.
@@ -62,6 +64,12 @@ impl SerialPort {
             });
         }
         Ok(port)
+    }
+
+    /// How long a reading waits before it ends with [`ErrorKind::TimedOut`]: no longer than a
+    /// [`timeout`](crate::remote::LinkOptions::timeout), which can only be kept as well as that.
+    pub const fn set_read_patience(&mut self, patience: Duration) {
+        self.read_patience = patience;
     }
 
     /// Sets the port, and says at which speed it runs then.
@@ -109,10 +117,10 @@ impl Read for SerialPort {
     /// At least one byte.
     ///
     /// # Errors
-    /// [`ErrorKind::TimedOut`] when nothing comes for a tenth of a second; anything else means that the port is gone or that
+    /// [`ErrorKind::TimedOut`] when nothing comes for as long as its patience; anything else means that the port is gone or that
     /// the person asked to stop, and holds a [`NoLink`].
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        if !self.is_ready(PollFlags::IN, READ_PATIENCE)? {
+        if !self.is_ready(PollFlags::IN, self.read_patience)? {
             return Err(ErrorKind::TimedOut.into());
         }
         match self.file.read(into) {

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
+use std::time::Duration;
 
 use firmware_sim::bench::Pty;
 use firmware_sim::remote::NoLink;
@@ -29,6 +30,7 @@ fn all_bytes_come_through_as_they_are_both_ways() {
     embedded_io::Write::write_all(&mut pty, &bytes).unwrap();
     port.read_exact(&mut heard).unwrap();
     assert_eq!(heard, *bytes);
+    port.set_read_patience(Duration::from_millis(1));
     assert_eq!(
         port.read(&mut heard).unwrap_err().kind(),
         ErrorKind::TimedOut
