@@ -181,3 +181,35 @@ impl Display for DeviceReport {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::serial::SerialBoard;
+
+    #[test]
+    fn what_a_board_of_one_s_own_counts_is_never_called_instructions() {
+        // Nothing is opened, so any file will do.
+        let board = SerialBoard::find("/dev/null".as_ref(), 250_000).unwrap();
+        let boards = Boards::Serial(board);
+        let mut summary = DeviceSummary::default();
+        summary.work.add(16_800);
+        summary.scoring.add(168);
+        let table = |work_hz| {
+            summary.work_hz = work_hz;
+            DeviceReport::of(&boards, &summary).to_string()
+        };
+        let [known, unknown] = [168_000_000, 0].map(table);
+        for line in [
+            "work        100.0 us a tick, at most 100.0, by the board's counter\n",
+            "scoring     1.0 us a tick",
+        ] {
+            assert!(known.contains(line), "{known}");
+        }
+        assert!(
+            unknown.contains("work        16800 ticks of the board's counter a tick"),
+            "{unknown}"
+        );
+        assert!(!(known + &unknown).contains("instructions"));
+    }
+}
