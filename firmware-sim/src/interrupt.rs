@@ -1,11 +1,9 @@
 //! Ctrl-C and SIGTERM: the first asks the work to stop cleanly, the second ends the process at once.
 
 use std::io;
-use std::process::Child;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use rustix::process::{Pid, Signal, kill_process};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
@@ -39,12 +37,4 @@ pub fn install() -> io::Result<()> {
 #[must_use]
 pub fn requested() -> bool {
     requested_flag().load(Ordering::Relaxed)
-}
-
-/// Asks a process that this one started to come to a clean stop.
-///
-/// # Errors
-/// When the operating system refuses.
-pub fn pass_on(child: &Child) -> io::Result<()> {
-    Ok(kill_process(Pid::from_child(child), Signal::TERM)?)
 }

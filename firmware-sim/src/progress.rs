@@ -96,11 +96,12 @@ impl Progress {
         self.line_when_due();
     }
 
-    /// Sets the count of units done, for work that goes on where an earlier run stopped: units that were done before do
-    /// not count for the rate.
-    pub fn resume_at(&self, done: u64) {
-        self.bar.set_position(done);
-        self.bar.reset_eta();
+    /// Counts units that were done before, or will never be: they do not count for the rate.
+    pub fn skip(&self, units: u64) {
+        if units > 0 {
+            self.bar.inc(units);
+            self.bar.reset_eta();
+        }
     }
 
     /// Says something short beside the bar: the latest loss, the file at hand.

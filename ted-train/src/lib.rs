@@ -10,6 +10,7 @@ pub mod dataset;
 pub mod doctor;
 pub mod evaluate;
 pub mod export;
+pub mod fleet;
 pub mod inspect;
 pub mod iql;
 pub mod nn;

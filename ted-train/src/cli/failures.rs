@@ -11,6 +11,7 @@ use crate::crosscheck::CrosscheckError;
 use crate::dataset::DatasetError;
 use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
+use crate::fleet::LaneError;
 use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
@@ -123,14 +124,26 @@ impl Ends for ReplayDatasetError {
     }
 }
 
+impl Ends for LaneError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Dataset(error) => error.exit_code(),
+            Self::Preference(error) => error.exit_code(),
+            Self::Run(error) => error.exit_code(),
+            Self::Train(error) => error.exit_code(),
+            Self::Evaluate(error) => error.exit_code(),
+            Self::Threads(_) | Self::Panicked => ExitCode::Failure,
+            Self::NotBegun => ExitCode::Interrupted,
+        }
+    }
+}
+
 impl Ends for StudyError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Config(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
-            Self::Write(error) => error.exit_code(),
-            Self::Start(_) | Self::Failed { .. } => ExitCode::Failure,
-            Self::Interrupted => ExitCode::Interrupted,
+            Self::Lane(error) => error.exit_code(),
         }
     }
 }

@@ -31,14 +31,18 @@ pub(super) fn open_dataset(name: &str) -> Result<(Dataset, PathBuf), Failure> {
     let path = dataset_path(name);
     match Dataset::open(&path) {
         Ok(dataset) => Ok((dataset, path)),
-        Err(error @ DatasetError::NotFound { .. }) => match collected(name).as_slice() {
-            [] => Err(end(error)),
-            others => Err(Failure::new(
-                ExitCode::BadInput,
-                format_args!("{error}; of this name there are: {}", others.join(", ")),
-            )),
-        },
-        Err(error) => Err(end(error)),
+        Err(error) => Err(no_dataset(name, error)),
+    }
+}
+
+/// Why what a person calls by this name cannot be opened, and what else may be meant.
+pub(super) fn no_dataset(name: &str, error: DatasetError) -> Failure {
+    match (&error, collected(name).as_slice()) {
+        (DatasetError::NotFound { .. }, others @ [_, ..]) => Failure::new(
+            ExitCode::BadInput,
+            format_args!("{error}; of this name there are: {}", others.join(", ")),
+        ),
+        _ => end(error),
     }
 }
 
@@ -117,7 +121,8 @@ pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Data
     }
 }
 
-fn dataset_path(name: &str) -> PathBuf {
+/// Where the dataset of this name is, if it is there.
+pub(super) fn dataset_path(name: &str) -> PathBuf {
     let path = Path::new(name);
     if path.exists() {
         path.to_path_buf()
@@ -130,9 +135,9 @@ fn dataset_path(name: &str) -> PathBuf {
     }
 }
 
-/// `runs/<task>/<preset>/seed-<seed>`.
-pub(super) fn run_folder(task: &str, preset: &str, seed: u64) -> PathBuf {
-    Path::new("runs")
+/// `<root>/<task>/<preset>/seed-<seed>`; the root is `runs` if none is given.
+pub(super) fn run_folder(root: Option<&Path>, task: &str, preset: &str, seed: u64) -> PathBuf {
+    root.unwrap_or(Path::new("runs"))
         .join(task)
         .join(preset)
         .join(format!("seed-{seed}"))

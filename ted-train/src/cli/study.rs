@@ -12,9 +12,8 @@ use crate::config::Preset;
 use crate::study::policies::{self, PolicyRun};
 use crate::study::reward::{DESIGNS, StudyLog, design_config};
 
-use super::collect::workers;
 use super::failures::end;
-use super::locate::open_dataset;
+use super::locate::{dataset_path, open_dataset};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -133,12 +132,16 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
     // A mistake is told before anything is begun.
     policies::check(&args.out, &runs, &args.sets).map_err(end)?;
     if !args.table {
-        let progress = args
-            .output
-            .audience()
-            .start("train and fly", runs.len() as u64, "runs");
-        policies::fill(&args.out, &runs, &args.sets, workers(args.jobs), &progress).map_err(end)?;
-        progress.finish();
+        let audience = args.output.audience();
+        policies::fill(
+            &args.out,
+            &runs,
+            &args.sets,
+            args.jobs,
+            dataset_path,
+            audience,
+        )
+        .map_err(end)?;
     }
     let scores = policies::scores(&args.out, &runs);
     args.output.print(&scores, || policies::table(&scores))

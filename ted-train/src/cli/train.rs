@@ -1,25 +1,24 @@
-//! `ted train`: a dataset and ten answers in, an artefact out.
+//! `ted train`: datasets and ten answers in, artefacts out.
 
+use std::collections::HashSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
-use firmware_sim::tasks;
-use serde::Serialize;
 
 use crate::config::{Overrides, Preset};
-use crate::dataset::Dataset;
-use crate::evaluate::evaluate_once;
-use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
-use crate::run::{DatasetReference, PREFERENCES, RunFolder};
-use crate::train::{check, train};
+use crate::fleet::{self, Crew, Datasets, Lane, Trained};
+use crate::run::RunFolder;
+use crate::train::{Watch, check};
 
-use super::collect::workers;
 use super::eval::text;
 use super::failures::end;
-use super::locate::{open_dataset, run_folder};
+use super::fleet_report::FleetReport;
+use super::locate::{dataset_path, no_dataset, run_folder};
+use super::seeds::Seeds;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -27,23 +26,33 @@ Examples:
   ted train drawer-open-v3 --preset true --seed 2            true rewards, another seed
   ted train drawer-open-v3 --set iql.steps=50000 --set discount.sigma=0.5
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
+  ted train drawer-open-v3,box-close-v3 --preset oprl-i,oprl-i+ted --seeds 0..6      a fleet of 24 runs
 
 Any field of config.toml can be set, except preset and seed, which have flags of their own.
-A stopped run goes on with the same command.";
+Several datasets, presets or seeds make a fleet: every combination is a run with a folder of its own, runs go side by side \
+on all cores, and one that fails does not stop the others. What a run learns does not depend on its company.
+A stopped run goes on with the same command; a fleet does what is missing.";
 
 /// Learn a reward from preferences, set discounts, learn a policy, export and fly it
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct TrainArgs {
-    /// A dataset folder, a Minari id, or a task that `ted collect` has collected
-    dataset: String,
-    /// The composition of reward source, discount and algorithm; that of --config, or oprl-i+ted, if not given
-    #[arg(long, value_enum)]
-    preset: Option<Preset>,
+    /// Dataset folders, Minari ids, or tasks that `ted collect` has collected
+    #[arg(value_delimiter = ',', required_unless_present = "task")]
+    datasets: Vec<String>,
+    /// Tasks that were collected: another way to name their datasets
+    #[arg(long, value_delimiter = ',', value_name = "TASK")]
+    task: Vec<String>,
+    /// The compositions of reward source, discount and algorithm; that of --config, or oprl-i+ted, if not given
+    #[arg(long, value_enum, value_delimiter = ',')]
+    preset: Vec<Preset>,
     /// Root of all randomness; that of --config, or 0, if not given
     #[arg(long)]
     seed: Option<u64>,
-    /// The run's folder; runs/<task>/<preset>/seed-<seed> if not given
+    /// Several of them, 0..6 for 0 to 5 or a list
+    #[arg(long, conflicts_with = "seed")]
+    seeds: Option<Seeds>,
+    /// The run's folder; runs/<task>/<preset>/seed-<seed> if not given. Of a fleet, the folder that holds those
     #[arg(long)]
     out: Option<PathBuf>,
     /// A TOML file over the preset
@@ -55,14 +64,63 @@ pub(super) struct TrainArgs {
     /// Answer from this preference log instead of from true returns
     #[arg(long, value_name = "FILE")]
     preferences: Option<PathBuf>,
-    /// Simulator processes for the evaluation; all cores if not given
+    /// Simulator processes for the evaluation of a single run; all cores if not given
     #[arg(long)]
     workers: Option<NonZeroUsize>,
+    /// Runs of a fleet at a time; one for each core if not given. Changes nothing but the time
+    #[arg(long)]
+    jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
+    let datasets = Datasets::default();
+    let lanes = plan(args, &datasets)?;
+    let audience = args.output.audience();
+    if let [lane] = lanes.as_slice() {
+        let dataset = datasets.open(&lane.dataset).map_err(end)?;
+        let simulators = args.workers.unwrap_or(Crew::of(1, None).threads);
+        let trained = lane
+            .run(&dataset, simulators, Watch::Alone(audience))
+            .map_err(end)?;
+        return match &trained.evaluation {
+            Some(evaluation) => args.output.print(evaluation, || text(evaluation)),
+            None => args.output.print(&Artefact::of(&trained), || {
+                trained.artefact.display().to_string()
+            }),
+        };
+    }
+    let ends = fleet::run(
+        &lanes,
+        &datasets,
+        Crew::of(lanes.len(), args.jobs),
+        audience,
+    );
+    let report = FleetReport::of(&lanes, &ends);
+    args.output.print(&report, || report.text())?;
+    match ends.into_iter().find_map(Result::err) {
+        None => Ok(()),
+        Some(error) => Err(end(error)),
+    }
+}
+
+/// What a run without an evaluation has to say.
+#[derive(Debug, serde::Serialize)]
+struct Artefact<'t> {
+    artefact: &'t Path,
+}
+
+impl<'t> Artefact<'t> {
+    fn of(trained: &'t Trained) -> Self {
+        Self {
+            artefact: &trained.artefact,
+        }
+    }
+}
+
+/// Every combination, seed by seed, so that an unfinished fleet has something of each. Nothing is begun that cannot be ended.
+fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     let mut overrides = Overrides::default();
     if let Some(path) = &args.config {
         overrides = overrides.file(path).map_err(end)?;
@@ -70,78 +128,72 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     for set in &args.sets {
         overrides = overrides.set(set).map_err(end)?;
     }
-    let config = overrides.resolve(args.preset, args.seed).map_err(end)?;
-    let audience = args.output.audience();
-
-    let (dataset, path) = open_dataset(&args.dataset)?;
-    let reference = DatasetReference {
-        id: dataset.id().to_owned(),
-        digest: dataset.digest().to_owned(),
-        path,
+    let presets = match args.preset.as_slice() {
+        [] => vec![None],
+        some => some.iter().copied().map(Some).collect(),
     };
-    // Nothing is begun that cannot be ended.
-    check(&dataset, &config).map_err(end)?;
-    let answers = match &args.preferences {
-        Some(log) => Some((log, ReplayTeacher::open(log, &dataset).map_err(end)?)),
-        None => None,
+    let seeds = match &args.seeds {
+        Some(Seeds(seeds)) => seeds.iter().copied().map(Some).collect(),
+        None => vec![args.seed],
     };
-    let task = dataset.task().unwrap_or("unknown");
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| run_folder(task, config.preset.name(), config.seed));
-    let folder = RunFolder::begin(&out, &config, &reference).map_err(end)?;
-    let mut teacher: Box<dyn Teacher> = match answers {
-        Some((log, answers)) => {
-            same_answers(&answers, log, &folder, &dataset)?;
-            Box::new(answers)
-        }
-        None => Box::new(ScriptedTeacher::new(0.0).map_err(end)?),
-    };
-    train(&dataset, &config, &folder, teacher.as_mut(), audience).map_err(end)?;
-    audience.note(&format!("wrote {}", folder.artefact_path().display()));
-
-    let episodes = config.schedule.evaluation_episodes;
-    let simulated = tasks::single(task).is_ok();
-    if episodes > 0 && !simulated {
-        audience.note("not flown: the dataset is of no Meta-World task");
+    let names: Vec<&String> = args.datasets.iter().chain(&args.task).collect();
+    if args.preferences.is_some() && names.len() > 1 {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            "--preferences are answers about one dataset: name one, or leave them out",
+        ));
     }
-    if episodes == 0 || !simulated {
-        let trained = Trained {
-            artefact: folder.artefact_path(),
-        };
-        return args
-            .output
-            .print(&trained, || trained.artefact.display().to_string());
-    }
-    let workers = workers(args.workers);
-    let report = evaluate_once(&folder, episodes, config.seed, workers, audience).map_err(end)?;
-    args.output.print(&report, || text(&report))
-}
-
-/// What a run without an evaluation has to say.
-#[derive(Debug, Serialize)]
-struct Trained {
-    artefact: PathBuf,
-}
-
-/// Refuses to go on in a folder that holds answers of anybody else.
-fn same_answers(
-    answers: &ReplayTeacher,
-    log: &Path,
-    folder: &RunFolder,
-    dataset: &Dataset,
-) -> Result<(), Failure> {
-    let held = folder.file(PREFERENCES);
-    if !held.exists() {
-        return Ok(());
-    }
-    let held = PreferenceLog::read(&held, dataset).map_err(end)?;
-    match answers.first_other_answer(&held) {
-        None => Ok(()),
-        Some(number) => {
-            let difference = format!("its answer {number} is not one of {}", log.display());
-            Err(end(folder.other(difference)))
+    let mut configs = Vec::new();
+    for seed in seeds {
+        for preset in &presets {
+            configs.push(overrides.resolve(*preset, seed).map_err(end)?);
         }
     }
+    let alone = names.len() * configs.len() == 1;
+    let mut tasks = Vec::new();
+    for name in names {
+        let path = dataset_path(name);
+        let dataset = datasets.open(&path).map_err(|it| no_dataset(name, it))?;
+        for config in &configs {
+            check(&dataset, config).map_err(end)?;
+        }
+        tasks.push((path, dataset.task().unwrap_or("unknown").to_owned()));
+    }
+    let mut lanes = Vec::new();
+    for config in &configs {
+        for (dataset, task) in &tasks {
+            let root = args.out.as_deref();
+            let folder = match root {
+                Some(folder) if alone => folder.to_path_buf(),
+                _ => run_folder(root, task, config.preset.name(), config.seed),
+            };
+            lanes.push(Lane {
+                dataset: dataset.clone(),
+                config: config.clone(),
+                folder,
+                answers: args.preferences.clone(),
+            });
+        }
+    }
+    distinct(&lanes)?;
+    Ok(lanes)
+}
+
+/// Refuses lanes that would share a folder, and folders that hold other runs.
+fn distinct(lanes: &[Lane]) -> Result<(), Failure> {
+    let mut folders = HashSet::new();
+    for lane in lanes {
+        if !folders.insert(&lane.folder) {
+            return Err(Failure::new(
+                ExitCode::Usage,
+                format_args!(
+                    "two runs would share {}: name each dataset and preset once, and give datasets of one task a command and \
+                     an --out each",
+                    lane.folder.display()
+                ),
+            ));
+        }
+        RunFolder::holds(&lane.folder, &lane.config).map_err(end)?;
+    }
+    Ok(())
 }

@@ -180,7 +180,7 @@ pub fn run_on(
         u64::from(total),
         "episodes",
     );
-    progress.resume_at(u64::from(total) - missing.len() as u64);
+    progress.skip(u64::from(total) - missing.len() as u64);
     let mut failure = None;
     let outcome = source.run(&jobs, &mut |index, episode| {
         let episode_index = missing[index];

@@ -172,7 +172,7 @@ pub fn quickstart(
     };
     let folder = RunFolder::begin(&config.run_folder(), &training, &reference)?;
     let mut teacher = Narrator::new(ScriptedTeacher::new(0.0)?, audience);
-    train(&dataset, &training, &folder, &mut teacher, audience)?;
+    train(&dataset, &training, &folder, &mut teacher, audience.into())?;
     if teacher.asked() == 0 {
         let log = folder.file(PREFERENCES);
         audience.note(&format!(

@@ -1,29 +1,19 @@
 //! Scores of whole runs: every combination of task, preset and seed, trained and flown, in one resumable table.
 //!
-//! Each run is a `ted train` process of its own with one thread, as many side by side as there are cores: seeds are
-//! independent, so that is faster than giving one run all cores. A run that is finished is not done again.
+//! The runs are a fleet. One that is finished is not done again.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::os::unix::process::CommandExt;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::Mutex;
-use std::thread;
-use std::time::Duration;
 
-use firmware_sim::interrupt;
-use firmware_sim::progress::Progress;
+use firmware_sim::progress::Audience;
 use serde::Serialize;
 
-use crate::config::{Overrides, Preset};
+use crate::config::{ConfigError, Overrides, Preset};
 use crate::evaluate::Evaluation;
+use crate::fleet::{self, Crew, Datasets, Lane, LaneError};
 use crate::run::{EVALUATION, RunError, RunFolder};
 use crate::train::RewardReport;
-use firmware_sim::disk::{self, WriteError};
-
-/// Between two looks at a run that is under way.
-const WATCH_PERIOD: Duration = Duration::from_millis(200);
 
 /// One run of the study.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,27 +46,13 @@ pub struct PolicyScore {
 pub enum StudyError {
     /// A configuration that cannot be used.
     #[error(transparent)]
-    Config(#[from] crate::config::ConfigError),
+    Config(#[from] ConfigError),
     /// A run's folder that holds another one.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The disk.
+    /// A run that failed; the others were finished.
     #[error(transparent)]
-    Write(#[from] WriteError),
-    /// A run that could not be started.
-    #[error("cannot start `ted train`: {0}")]
-    Start(std::io::Error),
-    /// Runs that failed; the others were finished.
-    #[error("{count} of the runs failed; of the first one, {first}")]
-    Failed {
-        /// How many.
-        count: usize,
-        /// Why the first one did, or where it says so.
-        first: String,
-    },
-    /// Somebody asked to stop.
-    #[error("stopped; the same command goes on from there")]
-    Interrupted,
+    Lane(#[from] LaneError),
 }
 
 /// Refuses changes that cannot be made, and a place where one of these runs was begun with others: its score would stand
@@ -85,9 +61,7 @@ pub enum StudyError {
 /// # Errors
 /// Names the change, or the folder and what differs.
 pub fn check(out: &Path, runs: &[PolicyRun], sets: &[String]) -> Result<(), StudyError> {
-    let changes = sets
-        .iter()
-        .try_fold(Overrides::default(), |all, set| all.set(set))?;
+    let changes = changes(sets)?;
     for run in runs {
         let config = changes.resolve(Some(run.preset), Some(run.seed))?;
         RunFolder::holds(&run_path(out, run), &config)?;
@@ -95,112 +69,49 @@ pub fn check(out: &Path, runs: &[PolicyRun], sets: &[String]) -> Result<(), Stud
     Ok(())
 }
 
-/// Trains and flies what is missing, `jobs` runs at a time.
+/// Trains and flies what is missing, as a fleet; `locate` finds the datasets.
 ///
 /// # Errors
-/// When a run fails; the others are finished first. [`check`] tells beforehand what would make all of them fail.
+/// The first failure of a run; the others are finished first. [`check`] tells beforehand what would make all of them fail.
 pub fn fill(
     out: &Path,
     runs: &[PolicyRun],
     sets: &[String],
-    jobs: usize,
-    progress: &Progress,
+    jobs: Option<NonZeroUsize>,
+    locate: impl Fn(&str) -> PathBuf,
+    audience: Audience,
 ) -> Result<(), StudyError> {
-    disk::create_folder(out)?;
-    let queue = Mutex::new(runs.iter());
-    let failures = Mutex::new(Vec::new());
-    let program = std::env::current_exe().map_err(StudyError::Start)?;
-    thread::scope(|scope| {
-        for _ in 0..jobs.clamp(1, runs.len().max(1)) {
-            scope.spawn(|| {
-                while !interrupt::requested() {
-                    let Some(run) = queue.lock().ok().and_then(|mut queue| queue.next()) else {
-                        break;
-                    };
-                    match one(&program, out, run, sets) {
-                        Ok(true) => progress.advance(1),
-                        Ok(false) => {
-                            let log = log_path(out, run);
-                            push(
-                                &failures,
-                                format!("the last words are in {}", log.display()),
-                            );
-                        }
-                        Err(error) => push(&failures, error.to_string()),
-                    }
-                }
-            });
+    let changes = changes(sets)?;
+    let mut lanes = Vec::new();
+    for run in runs {
+        let folder = run_path(out, run);
+        if folder.join(EVALUATION).exists() {
+            continue;
         }
-    });
-    if interrupt::requested() {
-        return Err(StudyError::Interrupted);
+        lanes.push(Lane {
+            dataset: locate(&run.dataset),
+            config: changes.resolve(Some(run.preset), Some(run.seed))?,
+            folder,
+            answers: None,
+        });
     }
-    let failures = failures.into_inner().unwrap_or_default();
-    match failures.first() {
+    let crew = Crew::of(lanes.len(), jobs);
+    let ends = fleet::run(&lanes, &Datasets::default(), crew, audience);
+    match ends.into_iter().find_map(Result::err) {
         None => Ok(()),
-        Some(first) => Err(StudyError::Failed {
-            count: failures.len(),
-            first: first.clone(),
-        }),
+        Some(error) => Err(error.into()),
     }
 }
 
-fn push(failures: &Mutex<Vec<String>>, failure: String) {
-    if let Ok(mut failures) = failures.lock() {
-        failures.push(failure);
-    }
-}
-
-/// Runs `ted train` unless its evaluation is there; true when it is there then.
-fn one(program: &Path, out: &Path, run: &PolicyRun, sets: &[String]) -> std::io::Result<bool> {
-    let folder = run_path(out, run);
-    if folder.join(EVALUATION).exists() {
-        return Ok(true);
-    }
-    std::fs::create_dir_all(&folder)?;
-    let log = File::create(log_path(out, run))?;
-    let mut child = Command::new(program)
-        .arg("train")
-        .arg(&run.dataset)
-        .args([
-            "--preset",
-            run.preset.name(),
-            "--workers",
-            "1",
-            "--seed",
-            &run.seed.to_string(),
-        ])
-        .arg("--out")
-        .arg(&folder)
-        .args(sets.iter().flat_map(|set| ["--set", set]))
-        .env("RAYON_NUM_THREADS", "1")
-        .stdin(Stdio::null())
-        .stdout(log.try_clone()?)
-        .stderr(log)
-        // A Ctrl-C at the terminal reaches this process alone, which passes it on, or the child would count it twice.
-        .process_group(0)
-        .spawn()?;
-    let mut asked = false;
-    loop {
-        if let Some(status) = child.try_wait()? {
-            return Ok(status.success());
-        }
-        if interrupt::requested() && !asked {
-            interrupt::pass_on(&child)?;
-            asked = true;
-        }
-        thread::park_timeout(WATCH_PERIOD);
-    }
+fn changes(sets: &[String]) -> Result<Overrides, ConfigError> {
+    sets.iter()
+        .try_fold(Overrides::default(), |all, set| all.set(set))
 }
 
 fn run_path(out: &Path, run: &PolicyRun) -> PathBuf {
     out.join(run.dataset.replace('/', "_"))
         .join(run.preset.name())
         .join(format!("seed-{}", run.seed))
-}
-
-fn log_path(out: &Path, run: &PolicyRun) -> PathBuf {
-    run_path(out, run).join("train.log")
 }
 
 /// The scores of the finished runs.
@@ -278,7 +189,7 @@ mod tests {
         let mut config = Preset::True.config();
         (config.seed, config.iql.steps) = (1, 50);
         let begun = run_path(out.path(), &run(1));
-        disk::create_folder(&begun).unwrap();
+        std::fs::create_dir_all(&begun).unwrap();
         std::fs::write(begun.join("config.toml"), config.to_toml()).unwrap();
         assert!(check(out.path(), &runs, &short).is_ok());
         let error = check(out.path(), &runs, &[]).unwrap_err().to_string();

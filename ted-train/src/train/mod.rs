@@ -3,14 +3,14 @@
 mod finished;
 mod offline;
 mod rewards;
+mod watch;
 
 pub use finished::{FinishedRun, last_checkpoint, newest_step};
 pub use offline::OfflineMetrics;
 pub use rewards::RewardReport;
+pub use watch::Watch;
 
 use std::path::PathBuf;
-
-use firmware_sim::progress::Audience;
 
 use crate::config::Config;
 use crate::dataset::{Dataset, SegmentSampler};
@@ -96,10 +96,11 @@ pub fn train(
     config: &Config,
     folder: &RunFolder,
     teacher: &mut dyn Teacher,
-    audience: Audience,
+    watch: Watch<'_>,
 ) -> Result<(), TrainError> {
     check(dataset, config)?;
     let root = Seed::root(config.seed);
+    let audience = watch.audience();
 
     // Phase 1 and 2: a reward for each transition.
     let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
@@ -119,7 +120,7 @@ pub fn train(
         rewards.labels.rewards.clone(),
         discounts,
         root,
-        audience,
+        watch,
     )?;
 
     let run = FinishedRun {
@@ -135,6 +136,8 @@ pub fn train(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use firmware_sim::progress::Audience;
+
     use crate::config::Preset;
     use crate::dataset::{EpisodeRecord, Shape};
     use crate::preferences::ScriptedTeacher;
@@ -165,7 +168,8 @@ mod tests {
         let config = Preset::True.config();
         let folder = RunFolder::begin(temporary.path(), &config, &reference).unwrap();
         let mut teacher = ScriptedTeacher::new(0.0).unwrap();
-        let refused = train(&dataset, &config, &folder, &mut teacher, Audience::Nobody);
+        let watch = Audience::Nobody.into();
+        let refused = train(&dataset, &config, &folder, &mut teacher, watch);
         assert!(matches!(
             refused,
             Err(TrainError::Export(ExportError::Contract(_)))

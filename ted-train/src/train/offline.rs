@@ -1,7 +1,6 @@
 //! Phase 4: the offline learner's loop, with metrics, checkpoints and a clean stop.
 
 use firmware_sim::interrupt;
-use firmware_sim::progress::Audience;
 use serde::Serialize;
 
 use crate::config::Config;
@@ -11,7 +10,7 @@ use crate::nn::ExportedMlp;
 use crate::rng::Seed;
 use crate::run::{EventWriter, MetricsLog, RunError, RunFolder};
 
-use super::TrainError;
+use super::{TrainError, Watch};
 
 /// A row of `metrics.jsonl`.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -46,7 +45,7 @@ pub(super) fn learn(
     rewards: Vec<f32>,
     discounts: Vec<f32>,
     root: Seed,
-    audience: Audience,
+    watch: Watch<'_>,
 ) -> Result<LearnedPolicy, TrainError> {
     let replay = Replay::new(dataset, rewards, discounts);
     let digest = config.digest();
@@ -58,13 +57,13 @@ pub(super) fn learn(
         &seeds,
         config.backend,
     );
-    if let Some(checkpoint) = folder.newest_checkpoint(config, audience) {
+    if let Some(checkpoint) = folder.newest_checkpoint(config, watch.audience()) {
         iql.restore(&checkpoint).map_err(RunError::from)?;
     }
     let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;
     let mut events = EventWriter::create(folder.path(), iql.step())?;
-    let progress = audience.start("learn a policy", config.iql.steps, "updates");
-    progress.resume_at(iql.step());
+    let progress = watch.updates(config.iql.steps);
+    progress.skip(iql.step());
 
     let stream = root.child("iql/batch");
     while iql.step() < config.iql.steps {
@@ -86,7 +85,7 @@ pub(super) fn learn(
             };
             let row = metrics.push("iql", step, &row)?;
             events.push("iql", step, &row)?;
-            progress.message(&format!("value {:.3}", update.value));
+            progress.say(&format!("value {:.3}", update.value));
         }
         if step.is_multiple_of(config.schedule.checkpoint_every) || last {
             metrics.sync()?;

@@ -4,6 +4,7 @@ mod bad_datasets;
 mod bad_settings;
 mod command;
 mod dataset;
+mod fleet;
 mod full_disk;
 mod interruptions;
 mod preference_files;

@@ -89,7 +89,8 @@ fn a_policy_learned_from_a_bad_pilot_flies_better_than_it_and_replays_without_a_
     };
     let run = RunFolder::begin(&folder.path().join("run"), &config(), &reference).unwrap();
     let mut teacher = ScriptedTeacher::new(0.0).unwrap();
-    train(&dataset, &config(), &run, &mut teacher, Audience::Nobody).unwrap();
+    let watch = Audience::Nobody.into();
+    train(&dataset, &config(), &run, &mut teacher, watch).unwrap();
 
     let bytes = ArtifactBytes::read(run.artefact_path()).unwrap();
     let artifact = Artifact::parse(&bytes).unwrap();

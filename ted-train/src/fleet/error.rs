@@ -1,0 +1,40 @@
+//! Why a run of a fleet ended without an artefact or its evaluation.
+
+use rayon::ThreadPoolBuildError;
+
+use crate::dataset::DatasetError;
+use crate::evaluate::EvaluateError;
+use crate::preferences::PreferenceError;
+use crate::run::RunError;
+use crate::train::TrainError;
+
+/// Why a run ended.
+#[derive(Debug, thiserror::Error)]
+pub enum LaneError {
+    /// Its dataset.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// The answers it was given.
+    #[error(transparent)]
+    Preference(#[from] PreferenceError),
+    /// Its folder.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The training.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// The flight.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// The operating system gave no threads.
+    #[error("cannot start the threads of a run: {0}")]
+    Threads(ThreadPoolBuildError),
+    /// A mistake in this program.
+    #[error(
+        "the run ended in a panic, which is a mistake of this program: please report what it said above"
+    )]
+    Panicked,
+    /// Somebody asked to stop before its turn came.
+    #[error("not begun: somebody asked to stop")]
+    NotBegun,
+}
