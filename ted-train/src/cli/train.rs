@@ -175,7 +175,10 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             });
         }
     }
-    distinct(&lanes)?;
+    // A single one finds out by itself, and first of all whether another process is at work there.
+    if !alone {
+        distinct(&lanes)?;
+    }
     Ok(lanes)
 }
 

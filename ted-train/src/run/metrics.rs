@@ -71,6 +71,18 @@ impl MetricsLog {
         Ok(row)
     }
 
+    /// The same log for another thread, which waits for the disk while this one appends.
+    ///
+    /// # Errors
+    /// When the operating system gives no other handle.
+    pub fn again(&self) -> Result<Self, WriteError> {
+        let file = self.file.try_clone();
+        Ok(Self {
+            file: file.map_err(|source| WriteError::at(&self.path, source))?,
+            path: self.path.clone(),
+        })
+    }
+
     /// Waits until every row is on the disk: a checkpoint must not outlive the rows before it.
     ///
     /// # Errors

@@ -17,10 +17,12 @@ mod checkpoint;
 mod events;
 mod folder;
 mod metrics;
+mod saver;
 mod sealed;
 
 pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
 pub use events::EventWriter;
 pub use folder::{DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder};
 pub use metrics::MetricsLog;
+pub use saver::Saver;
 pub use sealed::SealedError;

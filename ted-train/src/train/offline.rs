@@ -1,5 +1,7 @@
 //! Phase 4: the offline learner's loop, with metrics, checkpoints and a clean stop.
 
+use std::thread;
+
 use firmware_sim::interrupt;
 use serde::Serialize;
 
@@ -8,7 +10,7 @@ use crate::dataset::Dataset;
 use crate::iql::{Iql, Replay, UpdateMetrics};
 use crate::nn::ExportedMlp;
 use crate::rng::Seed;
-use crate::run::{EventWriter, MetricsLog, RunError, RunFolder};
+use crate::run::{EventWriter, MetricsLog, RunError, RunFolder, Saver};
 
 use super::{TrainError, Watch};
 
@@ -66,32 +68,37 @@ pub(super) fn learn(
     progress.skip(iql.step());
 
     let stream = root.child("iql/batch");
-    while iql.step() < config.iql.steps {
-        if interrupt::requested() {
-            metrics.sync()?;
-            folder.save(&iql.checkpoint(digest))?;
-            return Err(TrainError::Interrupted { step: iql.step() });
+    thread::scope(|scope| {
+        let saver = Saver::start(scope, folder, &metrics)?;
+        while iql.step() < config.iql.steps {
+            if interrupt::requested() {
+                // Whether it was handed over is seen at the end.
+                let _ = saver.save(iql.checkpoint(digest));
+                saver.finish()?;
+                return Err(TrainError::Interrupted { step: iql.step() });
+            }
+            let losses = iql.update(&replay.batch(stream, iql.step(), config.iql.batch));
+            progress.advance(1);
+            let step = iql.step();
+            let last = step == config.iql.steps;
+            if step.is_multiple_of(config.schedule.log_every) || last {
+                let update = losses.read();
+                finite(&update, step)?;
+                let row = OfflineMetrics {
+                    update,
+                    actor_rate: config.iql.actor_rate(step),
+                };
+                let row = metrics.push("iql", step, &row)?;
+                events.push("iql", step, &row)?;
+                progress.say(&format!("value {:.3}", update.value));
+            }
+            let due = step.is_multiple_of(config.schedule.checkpoint_every) || last;
+            if due && !saver.save(iql.checkpoint(digest)) {
+                break;
+            }
         }
-        let losses = iql.update(&replay.batch(stream, iql.step(), config.iql.batch));
-        progress.advance(1);
-        let step = iql.step();
-        let last = step == config.iql.steps;
-        if step.is_multiple_of(config.schedule.log_every) || last {
-            let update = losses.read();
-            finite(&update, step)?;
-            let row = OfflineMetrics {
-                update,
-                actor_rate: config.iql.actor_rate(step),
-            };
-            let row = metrics.push("iql", step, &row)?;
-            events.push("iql", step, &row)?;
-            progress.say(&format!("value {:.3}", update.value));
-        }
-        if step.is_multiple_of(config.schedule.checkpoint_every) || last {
-            metrics.sync()?;
-            folder.save(&iql.checkpoint(digest))?;
-        }
-    }
+        Ok(saver.finish()?)
+    })?;
     progress.finish();
     Ok(LearnedPolicy::new(&iql, &replay))
 }
