@@ -63,7 +63,7 @@ def collect(task, seed, steps, noise_std, epsilon):
     """Plays the episode of this seed for `steps` steps and returns its Record."""
     noise = stream(seed, NOISE_KEY).standard_normal((steps, ACTION)) * noise_std
     choices = stream(seed, CHOICE_KEY).random(steps) < epsilon
-    uniform = stream(seed, UNIFORM_KEY).uniform(-1.0, 1.0, (steps, ACTION))
+    uniform = stream(seed, UNIFORM_KEY).uniform(-1.0, 1.0, (steps, ACTION)).astype(np.float32)
 
     policy = task.scripted_policy()
     data = task.env.data
@@ -71,8 +71,10 @@ def collect(task, seed, steps, noise_std, epsilon):
     record = Record(task, steps)
     record.keep_state(0, observation, data)
     for step in range(steps):
-        wanted = uniform[step] if choices[step] else policy.get_action(observation) + noise[step]
-        action = np.clip(wanted, -1.0, 1.0).astype(np.float32)
+        if choices[step]:
+            action = uniform[step]
+        else:
+            action = np.clip(policy.get_action(observation) + noise[step], -1.0, 1.0).astype(np.float32)
         observation, reward, success, terminated, truncated = task.step(action)
         record.actions[step] = action
         record.rewards[step] = reward

@@ -26,15 +26,27 @@ class Task:
     def __init__(self, name):
         environment = ALL_V3_ENVIRONMENTS[name]
         self.name = name
-        self.env = environment(reward_function_version="v2")
+        self.env = self._build(environment)
         goal_visible = dict(rand_vec=None, env_cls=environment, partially_observable=False)
         self.env.set_task(MetaWorldTask(env_name=name, data=pickle.dumps(goal_visible)))
         self.env.seeded_rand_vec = True
         self.horizon = self.env.max_path_length
         self.goal = np.zeros(self.env._random_reset_space.low.size)
         self._policy = ENV_POLICY_MAP[name]
+        self._prepare()
+
+    def _build(self, environment):
+        """The task's environment, as the package makes it."""
+        return environment(reward_function_version="v2")
+
+    def _prepare(self):
+        """What comes before the first episode."""
         quicken(self.env)
         self._snapshot = Snapshot(self.env)
+
+    def _restore(self):
+        """Forgets all episodes."""
+        self._snapshot.restore()
 
     def scripted_policy(self):
         """A new instance of the package's own policy for this task."""
@@ -42,14 +54,14 @@ class Task:
 
     def reset(self, seed):
         """Starts the episode of this seed and returns its first observation, in float64."""
-        self._snapshot.restore()
+        self._restore()
         self.env.seed(seed)
         self.env._freeze_rand_vec = False
         return self._start()
 
     def reset_to(self, goal):
         """Starts an episode with a goal that an earlier episode drew."""
-        self._snapshot.restore()
+        self._restore()
         self.env._last_rand_vec = np.array(goal)
         return self._start()
 
