@@ -21,6 +21,7 @@ import wire  # noqa: E402
 from parent import leave_with_parent  # noqa: E402
 
 STEPS = 500
+MOVE = struct.Struct("<Hf")
 
 
 def episode(seed, steps):
@@ -42,8 +43,15 @@ def episode(seed, steps):
     ]
 
 
+def step(walk, action):
+    """Moves the joint of one episode; the outcome on the wire."""
+    walk[:] = walk[0] + action, walk[1] + 1
+    flags = messages.TRUNCATED if walk[1] == STEPS else 0
+    return struct.pack("<2f", walk[0], 0.0) + messages.REWARD_AND_FLAGS.pack(-abs(walk[0]), flags)
+
+
 def serve(link, mode, starts):
-    walk = None
+    walks = {}
     while True:
         kind, sequence, payload = link.receive()
         if kind == messages.COLLECT:
@@ -54,18 +62,15 @@ def serve(link, mode, starts):
         elif kind == messages.OPEN:
             link.send(messages.OPENED, sequence, messages.SHAPE.pack(2, 1, 1, 1, 0, 1, STEPS))
         elif kind == messages.RESET:
-            (seed,) = messages.RESET_REQUEST.unpack(payload)
-            walk = [0.0, 0]
+            slot, seed = messages.RESET_REQUEST.unpack(payload)
+            walks[slot] = [0.0, 0]
             link.send(messages.RESETTED, sequence, struct.pack("<2f", 0.0, seed % 1000), struct.pack("<d", seed % 1000))
-        elif walk is None:
+        elif any(slot not in walks for slot, _ in MOVE.iter_unpack(payload)):
             link.send(messages.FAULT, sequence, messages.fault(messages.NO_EPISODE, "reset first"))
         else:
             if answered_badly(link, mode, starts, sequence):
                 continue
-            walk = [walk[0] + struct.unpack("<f", payload)[0], walk[1] + 1]
-            flags = messages.TRUNCATED if walk[1] == STEPS else 0
-            outcome = messages.REWARD_AND_FLAGS.pack(-abs(walk[0]), flags)
-            link.send(messages.STEPPED, sequence, struct.pack("<2f", walk[0], 0.0), outcome)
+            link.send(messages.STEPPED, sequence, *[step(walks[slot], action) for slot, action in MOVE.iter_unpack(payload)])
 
 
 def answered_badly(link, mode, starts, sequence):

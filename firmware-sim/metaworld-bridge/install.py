@@ -42,7 +42,7 @@ def install(requirements):
 def check():
     from session import versions
 
-    print(versions())
+    print(versions("fast"))
 
 
 STEPS = {"venv": create, "pip": install, "check": check}

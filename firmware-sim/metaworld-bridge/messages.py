@@ -23,12 +23,15 @@ NO_EPISODE = 3
 SIMULATOR = 4
 CANNOT_START = 5
 
+# Episodes that may run side by side.
+SLOTS = 64
+
 SUCCESS = 1
 TERMINATED = 2
 TRUNCATED = 4
 
 SHAPE = struct.Struct("<HHIIIII")
-RESET_REQUEST = struct.Struct("<Q")
+RESET_REQUEST = struct.Struct("<HQ")
 COLLECT_REQUEST = struct.Struct("<QIdd")
 REWARD_AND_FLAGS = struct.Struct("<dB")
 EPISODE_STEPS = struct.Struct("<I")

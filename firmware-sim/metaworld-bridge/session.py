@@ -15,10 +15,19 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 import messages
 from collect import collect
 from importlib import metadata
+from fast import FastTask
 from task import ACTION, OBSERVATION, Task
 
 # The scripted policies warn at nearly every step that their gains are high; Meta-World clips the action and so do we.
 warnings.filterwarnings("ignore", message="Constant.s. may be too high")
+
+
+# How a task is simulated. The episodes are the same, to the bit.
+ENGINES = {"fast": FastTask, "reference": Task}
+
+# Rows of a STEP and of what answers it.
+MOVE = np.dtype([("slot", "<u2"), ("action", "<f4", ACTION)])
+OUTCOME = np.dtype([("observation", "<f4", OBSERVATION), ("reward", "<f8"), ("flags", "u1")])
 
 
 class Refusal(Exception):
@@ -29,10 +38,11 @@ class Refusal(Exception):
         self.code = code
 
 
-def versions():
+def versions(engine):
     """What the results depend on, for provenance."""
     parts = {
         "python": platform.python_version(),
+        "engine": engine,
         "metaworld": metadata.version("metaworld"),
         "mujoco": mujoco.__version__,
         "gymnasium": gymnasium.__version__,
@@ -43,21 +53,31 @@ def versions():
     return " ".join(f"{name}={version}" for name, version in parts.items())
 
 
-def read_action(payload):
-    """The values of an action on the wire."""
-    return np.frombuffer(payload, "<f4").reshape(ACTION)
+def read_moves(payload):
+    """The actions on the wire, each with the slot of its episode."""
+    moves = np.frombuffer(payload, MOVE)
+    slots = moves["slot"].tolist()
+    if not slots or len(set(slots)) < len(slots):
+        raise ValueError(f"a step of the slots {slots}")
+    return slots, moves["action"]
+
+
+def read_reset(payload):
+    """The slot and the seed of an episode to start."""
+    slot, seed = messages.RESET_REQUEST.unpack(payload)
+    if slot >= messages.SLOTS:
+        raise ValueError(f"slot {slot} of {messages.SLOTS}")
+    return slot, seed
 
 
 class Session:
-    """The open task and the buffers that a step reuses."""
+    """The open task, once for each slot that an episode was started in."""
 
-    def __init__(self, link):
+    def __init__(self, link, engine):
         self._link = link
-        self._task = None
-        self._in_episode = False
-        self._action = np.empty(ACTION, np.float32)
-        self._observation = np.empty(OBSERVATION, "<f4")
-        self._outcome = bytearray(messages.REWARD_AND_FLAGS.size)
+        self._make = ENGINES[engine]
+        self._tasks = {}
+        self._running = set()
         self._serve = {
             messages.OPEN: self._open,
             messages.RESET: self._reset,
@@ -76,7 +96,7 @@ class Session:
             except Refusal as refusal:
                 self._link.send(messages.FAULT, sequence, messages.fault(refusal.code, str(refusal)))
             except Exception:
-                self._in_episode = False
+                self._running.clear()
                 self._link.send(
                     messages.FAULT, sequence, messages.fault(messages.SIMULATOR, traceback.format_exc().strip())
                 )
@@ -87,35 +107,44 @@ class Session:
         name = self._parsed(messages.read_text, payload)
         if name not in ALL_V3_ENVIRONMENTS:
             raise Refusal(messages.UNKNOWN_TASK, f"metaworld {metadata.version('metaworld')} has no task {name!r}")
-        self._in_episode = False
-        if self._task is None or self._task.name != name:
-            self._task = None
-            self._task = Task(name)
-        model = self._task.env.model
-        shape = (OBSERVATION, ACTION, model.nq, model.nv, model.nmocap, self._task.goal.size, self._task.horizon)
+        self._running.clear()
+        if not self._tasks or self._tasks[0].name != name:
+            self._tasks.clear()
+            self._tasks[0] = self._make(name)
+        task = self._tasks[0]
+        model = task.env.model
+        shape = (OBSERVATION, ACTION, model.nq, model.nv, model.nmocap, task.goal.size, task.horizon)
         return messages.OPENED, [messages.SHAPE.pack(*shape)]
 
     def _reset(self, payload):
-        (seed,) = self._parsed(messages.RESET_REQUEST.unpack, payload)
-        self._observation[:] = self._opened().reset(seed)
-        self._in_episode = True
-        return messages.RESETTED, [self._observation, self._task.goal.astype("<f8")]
+        slot, seed = self._parsed(read_reset, payload)
+        name = self._opened().name
+        if slot not in self._tasks:
+            self._tasks[slot] = self._make(name)
+        task = self._tasks[slot]
+        self._running.discard(slot)
+        observation = task.reset(seed)
+        self._running.add(slot)
+        return messages.RESETTED, [observation.astype("<f4"), task.goal.astype("<f8")]
 
     def _step(self, payload):
-        if not self._in_episode:
-            raise Refusal(messages.NO_EPISODE, "a step outside an episode: reset first")
-        self._action[:] = self._parsed(read_action, payload)
-        observation, reward, success, terminated, truncated = self._task.step(self._action)
-        self._in_episode = not (terminated or truncated)
-        self._observation[:] = observation
-        flags = messages.SUCCESS * success | messages.TERMINATED * terminated | messages.TRUNCATED * truncated
-        messages.REWARD_AND_FLAGS.pack_into(self._outcome, 0, reward, flags)
-        return messages.STEPPED, [self._observation, self._outcome]
+        slots, actions = self._parsed(read_moves, payload)
+        for slot in slots:
+            if slot not in self._running:
+                raise Refusal(messages.NO_EPISODE, f"a step outside an episode in slot {slot}: reset first")
+        outcomes = np.empty(len(slots), OUTCOME)
+        observations, rewards, flags = (outcomes[field] for field in OUTCOME.names)
+        for row, slot in enumerate(slots):
+            observations[row], rewards[row], success, terminated, truncated = self._tasks[slot].step(actions[row])
+            flags[row] = messages.SUCCESS * success | messages.TERMINATED * terminated | messages.TRUNCATED * truncated
+            if terminated or truncated:
+                self._running.discard(slot)
+        return messages.STEPPED, [outcomes.tobytes()]
 
     def _collect(self, payload):
         seed, steps, noise_std, epsilon = self._parsed(messages.COLLECT_REQUEST.unpack, payload)
         task = self._opened()
-        self._in_episode = False
+        self._running.clear()
         if not 1 <= steps <= task.horizon:
             raise Refusal(messages.BAD_REQUEST, f"{steps} steps in a task of 1 to {task.horizon}")
         record = collect(task, seed, steps, noise_std, epsilon)
@@ -126,10 +155,10 @@ class Session:
         try:
             return parse(payload)
         except (struct.error, ValueError) as error:
-            self._in_episode = False
+            self._running.clear()
             raise Refusal(messages.BAD_REQUEST, str(error)) from error
 
     def _opened(self):
-        if self._task is None:
+        if not self._tasks:
             raise Refusal(messages.NO_EPISODE, "no task is open: open one first")
-        return self._task
+        return self._tasks[0]

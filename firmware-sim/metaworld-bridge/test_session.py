@@ -47,6 +47,14 @@ class Broken:
         raise self._error
 
 
+def broken(link, error):
+    """A session with two running episodes of a task that fails with this error."""
+    session = Session(link, "reference")
+    session._tasks = {0: Broken(error), 3: Broken(error)}
+    session._running = {0, 3}
+    return session
+
+
 def faults(session, link):
     """Serves all requests; (code, text) of each reply, which has to be a fault."""
     try:
@@ -60,21 +68,20 @@ def faults(session, link):
     return read
 
 
-ACTION = struct.pack("<4f", 0, 0, 0, 0)
+ACTION = struct.pack("<H4f", 0, 0, 0, 0, 0)
 
 
 class Faults(unittest.TestCase):
     def test_an_error_of_the_simulator_is_one_whatever_its_type(self):
         for error in [ValueError("of numpy"), struct.error("of struct"), UnicodeError("of text"), RuntimeError("of any kind")]:
-            for request in [(messages.RESET, messages.RESET_REQUEST.pack(1)), (messages.STEP, ACTION)]:
+            for request in [(messages.RESET, messages.RESET_REQUEST.pack(0, 1)), (messages.STEP, ACTION)]:
                 with self.subTest(f"{error!r} {request[0]}"):
                     link = Requests([request])
-                    session = Session(link)
-                    session._task, session._in_episode = Broken(error), True
+                    session = broken(link, error)
                     ((code, text),) = faults(session, link)
                     self.assertEqual(code, messages.SIMULATOR)
                     self.assertTrue(text.endswith(f"{error}") and "Traceback" in text, text)
-                    self.assertFalse(session._in_episode)
+                    self.assertFalse(session._running)
 
     def test_a_payload_of_another_layout_is_a_bad_request_that_ends_the_episode(self):
         for kind, payload in [
@@ -83,27 +90,49 @@ class Faults(unittest.TestCase):
             (messages.RESET, b"short"),
             (messages.STEP, ACTION[:-1]),
             (messages.STEP, ACTION[:-4]),
+            (messages.STEP, b""),
+            (messages.STEP, ACTION + ACTION),
+            (messages.RESET, messages.RESET_REQUEST.pack(messages.SLOTS, 1)),
             (messages.COLLECT, b""),
         ]:
             with self.subTest(f"{kind} {payload}"):
                 link = Requests([(kind, payload)])
-                session = Session(link)
-                session._task, session._in_episode = Broken(AssertionError("it is not reached")), True
+                session = broken(link, AssertionError("it is not reached"))
                 ((code, _),) = faults(session, link)
                 self.assertEqual(code, messages.BAD_REQUEST)
-                self.assertFalse(session._in_episode)
+                self.assertFalse(session._running)
 
     def test_a_refusal_leaves_the_episode_as_it_is(self):
         for request, expected in [
             ((0x55, b""), messages.BAD_REQUEST),
             ((messages.OPEN, messages.text("no-such-task")), messages.UNKNOWN_TASK),
+            ((messages.STEP, ACTION + b"\x01" + ACTION[1:]), messages.NO_EPISODE),
         ]:
             link = Requests([request])
-            session = Session(link)
-            session._task, session._in_episode = Broken(AssertionError("it is not reached")), True
+            session = broken(link, AssertionError("it is not reached"))
             ((code, _),) = faults(session, link)
             self.assertEqual(code, expected)
-            self.assertTrue(session._in_episode)
+            self.assertEqual(session._running, {0, 3})
+
+
+class SideBySide(unittest.TestCase):
+    def test_episodes_in_slots_are_those_that_are_played_alone(self):
+        def step(*moves):
+            return (messages.STEP, b"".join(struct.pack("<H4f", slot, *[value] * 4) for slot, value in moves))
+
+        def reset(slot, seed):
+            return (messages.RESET, messages.RESET_REQUEST.pack(slot, seed))
+
+        def replies(engine, requests):
+            link = Requests([(messages.OPEN, messages.text("push-v3")), *requests])
+            with self.assertRaises(Stopped):
+                Session(link, engine).serve()
+            return [payload for _, payload in link.replies[1:]]
+
+        together = replies("fast", [reset(0, 5), reset(7, 6), step((7, 0.5), (0, -0.5)), step((0, 0.1)), step((0, 1), (7, 1))])
+        one = replies("reference", [reset(0, 5), step((0, -0.5)), step((0, 0.1)), step((0, 1))])
+        other = replies("reference", [reset(0, 6), step((0, 0.5)), step((0, 1))])
+        self.assertEqual(together, [one[0], other[0], other[1] + one[1], one[2], one[3] + other[2]])
 
 
 if __name__ == "__main__":

@@ -36,18 +36,20 @@ EPISODE = [
 ]
 
 EXPECTED = {
-    "hello": wire.hello(1),
+    "hello": wire.hello(2),
     "ready": wire.frame(messages.READY, 0, messages.text("python=3.11.7 mujoco=3.3.0")),
     "open": wire.frame(messages.OPEN, 1, messages.text("drawer-open-v3")),
     "opened": wire.frame(messages.OPENED, 1, messages.SHAPE.pack(2, 1, 1, 1, 1, 1, 500)),
-    "reset": wire.frame(messages.RESET, 2, messages.RESET_REQUEST.pack(7)),
+    "reset": wire.frame(messages.RESET, 2, messages.RESET_REQUEST.pack(1, 7)),
     "resetted": wire.frame(messages.RESETTED, 2, struct.pack("<2f", 1.0, -0.5), struct.pack("<d", 0.25)),
-    "step": wire.frame(messages.STEP, 3, struct.pack("<4f", 1.0, -1.0, 0.5, 0.0)),
+    "step": wire.frame(messages.STEP, 3, struct.pack("<Hf", 0, 0.5), struct.pack("<Hf", 1, -1.0)),
     "stepped": wire.frame(
         messages.STEPPED,
         3,
         struct.pack("<2f", 0.25, 2.0),
         messages.REWARD_AND_FLAGS.pack(1.5, messages.SUCCESS | messages.TRUNCATED),
+        struct.pack("<2f", 0.5, 3.0),
+        messages.REWARD_AND_FLAGS.pack(-2.5, 0),
     ),
     "collect": wire.frame(messages.COLLECT, 4, messages.COLLECT_REQUEST.pack(0xDEADBEEF, 500, 0.8, 0.8)),
     "collected": wire.frame(messages.COLLECTED, 4, *EPISODE),

@@ -1,5 +1,7 @@
 """The worker: one process, one Meta-World task at a time, driven over stdin and stdout.
 
+    worker.py [fast|reference]        the engine
+
 The order at the start matters. Standard output belongs to the protocol, so it is moved out of reach of any library that
 prints before anything else is imported; the greeting goes out first of all, so that a parent of another version learns
 that before it waits for anything.
@@ -19,7 +21,7 @@ import wire  # noqa: E402
 from parent import leave_with_parent  # noqa: E402
 
 
-def main():
+def main(engine="fast"):
     link = wire.Link(REQUESTS, REPLIES)
     link.send_hello()
     leave_with_parent(REQUESTS)
@@ -31,12 +33,12 @@ def main():
     except Exception as error:
         link.send(messages.FAULT, 0, messages.fault(messages.CANNOT_START, f"{type(error).__name__}: {error}"))
         raise
-    link.send(messages.READY, 0, messages.text(versions()))
-    Session(link).serve()
+    link.send(messages.READY, 0, messages.text(versions(engine)))
+    Session(link, engine).serve()
 
 
 if __name__ == "__main__":
     try:
-        main()
+        main(*sys.argv[1:])
     except wire.Closed:
         pass

@@ -32,6 +32,15 @@ pub trait Plant {
     /// When no episode was started or the plant cannot be reached.
     fn observe(&mut self) -> Result<Observed, PlantError>;
 
+    /// Tells the action that the next [`Plant::apply`] will be given. Plants that share a simulator can so move together, when the
+    /// first of them is applied; any other plant need not listen.
+    ///
+    /// # Errors
+    /// As [`Plant::apply`].
+    fn announce(&mut self, _action_env: &[f32]) -> Result<(), PlantError> {
+        Ok(())
+    }
+
     /// Applies an action, in the units of the artefact's contract, for one control period.
     ///
     /// # Errors

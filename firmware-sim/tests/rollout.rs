@@ -12,7 +12,7 @@ use firmware_sim::plants::recording::RecordingShape;
 use firmware_sim::plants::replay::ReplayPlant;
 use firmware_sim::plants::toy::{self, ToyPlant};
 use firmware_sim::rollout::{
-    Flight, FlyError, Summary, episode_seed, episode_seeds, fly, fly_episode,
+    Flight, FlyError, Summary, abreast, episode_seed, episode_seeds, fly, fly_episode,
 };
 use firmware_sim::safety::Fault;
 use ted_policy::{Artifact, ArtifactBytes};
@@ -26,13 +26,22 @@ fn flown<P: Plant>(
     episodes: usize,
     workers: usize,
 ) -> Result<Flight, FlyError> {
+    flown_abreast(make_plant, 1, episodes, workers)
+}
+
+fn flown_abreast<P: Plant>(
+    make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    plants: usize,
+    episodes: usize,
+    workers: usize,
+) -> Result<Flight, FlyError> {
     let bytes = artifact_bytes();
     let artifact = Artifact::parse(&bytes).unwrap();
     let seeds = episode_seeds(7, episodes);
     fly(
         &artifact,
         Numeric::F32,
-        make_plant,
+        || (0..plants).map(|_| make_plant()).collect(),
         &seeds,
         NonZeroUsize::new(workers).unwrap(),
         || false,
@@ -65,6 +74,28 @@ fn the_reports_do_not_depend_on_the_number_of_workers() {
     for workers in [2, 3, 8, 40] {
         assert_eq!(flown(lying, 23, workers).unwrap().episodes, alone);
     }
+}
+
+#[test]
+fn the_reports_do_not_depend_on_how_many_plants_fly_abreast() {
+    // Episodes of different lengths, so that berths get free at different times.
+    let lying = || {
+        Ok(FaultInjector::new(
+            ToyPlant::new(),
+            vec!["nan~0.01".parse().unwrap()],
+            5,
+        ))
+    };
+    let alone = flown(lying, 23, 1).unwrap().episodes;
+    for (plants, workers) in [(2, 1), (5, 1), (8, 2), (40, 3)] {
+        let abreast = flown_abreast(lying, plants, 23, workers).unwrap();
+        assert_eq!(abreast.episodes, alone);
+    }
+    let each = |episodes, workers| abreast(episodes, NonZeroUsize::new(workers).unwrap());
+    assert_eq!(
+        [each(50, 2), each(5, 2), each(1, 4), each(0, 1)],
+        [8, 3, 1, 1]
+    );
 }
 
 #[test]
@@ -128,6 +159,29 @@ fn an_episode_whose_link_breaks_once_is_flown_again_with_the_same_result() {
 }
 
 #[test]
+fn all_that_fly_abreast_are_flown_again_when_one_link_breaks() {
+    let breaks_left = AtomicU32::new(1);
+    let made = AtomicU32::new(0);
+    let brittle = || {
+        made.fetch_add(1, Ordering::SeqCst);
+        Ok(Brittle {
+            toy: ToyPlant::new(),
+            breaks_left: &breaks_left,
+        })
+    };
+    let flight = flown_abreast(brittle, 4, 9, 1).unwrap();
+    assert_eq!(
+        flight.episodes,
+        flown(|| Ok(ToyPlant::new()), 9, 1).unwrap().episodes
+    );
+    assert_eq!(
+        (breaks_left.into_inner(), made.into_inner()),
+        (0, 8),
+        "four plants, and four more"
+    );
+}
+
+#[test]
 fn a_link_that_breaks_twice_ends_the_flight_with_its_own_words() {
     let breaks_left = AtomicU32::new(2);
     let brittle = || {
@@ -163,7 +217,7 @@ fn a_request_to_stop_is_heard_between_episodes() {
     let stopped = fly(
         &artifact,
         Numeric::F32,
-        || Ok(ToyPlant::new()),
+        || Ok(vec![ToyPlant::new()]),
         &seeds,
         NonZeroUsize::MIN,
         stop,

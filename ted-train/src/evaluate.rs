@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
+use firmware_sim::bridge::Engine;
 use firmware_sim::bridge::environment::{self, SetupError};
 use firmware_sim::controller::Numeric;
 use firmware_sim::disk::WriteError;
@@ -11,7 +12,7 @@ use firmware_sim::plant::PlantError;
 use firmware_sim::plants::metaworld::MetaWorldPlant;
 use firmware_sim::progress::Audience;
 use firmware_sim::rollout::{
-    EpisodeReport, FlyError, Summary, episode_seeds, fly, normalised_score,
+    EpisodeReport, FlyError, Summary, abreast, episode_seeds, fly, normalised_score,
 };
 use firmware_sim::tasks::{self, TaskError};
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,9 @@ pub struct Evaluation {
     /// In which numbers the policy computed.
     #[serde(default)]
     pub numeric: Numeric,
+    /// How the task was simulated; reports from before there was a choice are the reference's.
+    #[serde(default = "reference")]
+    pub engine: Engine,
     /// Root of the episodes' seeds.
     pub seed: u64,
     /// True return of each episode.
@@ -107,7 +111,24 @@ pub enum EvaluateError {
     Write(#[from] WriteError),
 }
 
-/// Flies `episodes` episodes whose seeds follow from `seed`; the number of workers changes nothing but the time.
+const fn reference() -> Engine {
+    Engine::Reference
+}
+
+/// Which episodes to fly, and on what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FlightPlan {
+    /// How many episodes.
+    pub episodes: u32,
+    /// Root of their seeds.
+    pub seed: u64,
+    /// Simulator processes; changes nothing but the time.
+    pub workers: usize,
+    /// How they simulate; changes nothing but the time either.
+    pub engine: Engine,
+}
+
+/// Flies the episodes of a plan.
 ///
 /// # Errors
 /// When the artefact is broken, there is no simulator, or a flight cannot be finished.
@@ -115,23 +136,29 @@ pub fn evaluate(
     artefact: &Path,
     numeric: Numeric,
     task: Option<&str>,
-    episodes: u32,
-    seed: u64,
-    workers: usize,
+    plan: &FlightPlan,
     audience: Audience,
 ) -> Result<Evaluation, EvaluateError> {
+    let FlightPlan {
+        episodes,
+        seed,
+        engine,
+        ..
+    } = *plan;
+    let workers = NonZeroUsize::new(plan.workers).unwrap_or(NonZeroUsize::MIN);
     let bytes = ArtifactBytes::read(artefact)?;
     let artifact = Artifact::parse(&bytes).map_err(EvaluateError::Artifact)?;
     let trained_for = artifact.contract().task;
     let task = tasks::single(task.unwrap_or(trained_for))?;
-    let environment = environment::ensure(audience)?;
+    let environment = environment::ensure(audience)?.with_engine(engine);
     let progress = audience.start(&format!("fly {task}"), u64::from(episodes), "episodes");
+    let plants = abreast(episodes as usize, workers);
     let flight = fly(
         &artifact,
         numeric,
-        || MetaWorldPlant::new(&environment, task).map_err(PlantError::link),
+        || MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link),
         &episode_seeds(seed, episodes as usize),
-        NonZeroUsize::new(workers).unwrap_or(NonZeroUsize::MIN),
+        workers,
         interrupt::requested,
         |_| progress.advance(1),
     )?;
@@ -141,6 +168,7 @@ pub fn evaluate(
     Ok(Evaluation {
         task: task.to_owned(),
         numeric,
+        engine,
         seed,
         returns: flight.episodes.iter().map(|e| e.return_true).collect(),
         return_mean: summary.return_mean,
@@ -167,27 +195,17 @@ pub fn evaluate(
 /// When the policy cannot be flown, or the disk is full or fails.
 pub fn evaluate_once(
     folder: &RunFolder,
-    episodes: u32,
-    seed: u64,
-    workers: usize,
+    plan: &FlightPlan,
     audience: Audience,
 ) -> Result<Evaluation, EvaluateError> {
     // One that cannot be read is flown again. What it flew is the artefact: `RunFolder::write_artefact`.
     if let Ok(held) = folder.read_json::<Evaluation>(EVALUATION)
-        && (held.seed, held.returns.len()) == (seed, episodes as usize)
+        && (held.seed, held.returns.len()) == (plan.seed, plan.episodes as usize)
     {
         return Ok(held);
     }
     let artefact = folder.artefact_path();
-    let evaluation = evaluate(
-        &artefact,
-        Numeric::F32,
-        None,
-        episodes,
-        seed,
-        workers,
-        audience,
-    )?;
+    let evaluation = evaluate(&artefact, Numeric::F32, None, plan, audience)?;
     folder.write_json(EVALUATION, &evaluation)?;
     Ok(evaluation)
 }
@@ -211,6 +229,7 @@ mod tests {
         let held = Evaluation {
             task: "reach-v3".to_owned(),
             numeric: Numeric::F32,
+            engine: Engine::Fast,
             seed: 3,
             returns: vec![1.0, 2.0],
             return_mean: 1.5,
@@ -223,7 +242,15 @@ mod tests {
             dataset_max: 0.0,
         };
         folder.write_json(EVALUATION, &held).unwrap();
-        let fly = |episodes, seed| evaluate_once(&folder, episodes, seed, 1, Audience::Nobody);
+        let fly = |episodes, seed| {
+            let plan = FlightPlan {
+                episodes,
+                seed,
+                workers: 1,
+                engine: Engine::Fast,
+            };
+            evaluate_once(&folder, &plan, Audience::Nobody)
+        };
         assert_eq!(fly(2, 3).unwrap(), held);
         // There is no artefact: whoever wants to fly finds that out.
         for (episodes, seed) in [(3, 3), (2, 4)] {

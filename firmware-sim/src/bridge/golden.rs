@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::episode::{Behaviour, Episode, EpisodeJob};
 use super::frame::{self, FrameError, HEADER_LEN, HELLO_LEN, Header, PROTOCOL_VERSION};
-use super::message::{self, FaultCode, MessageError, Shape, Step, kind};
+use super::message::{self, FaultCode, MessageError, Move, Shape, Step, kind};
 
 const DOCUMENT: &str = include_str!("../../../docs/bridge-protocol.md");
 
@@ -76,7 +76,7 @@ fn the_document_names_the_version_that_the_code_speaks() {
 
 #[test]
 fn the_greeting_is_the_document_s() {
-    assert_eq!(golden()["hello"], frame::hello(1));
+    assert_eq!(golden()["hello"], frame::hello(2));
     let other: [u8; HELLO_LEN] = frame::hello(7);
     assert_eq!(frame::check_hello(&other), Ok(7));
 }
@@ -88,9 +88,16 @@ fn requests_are_the_document_s() {
         golden["open"],
         framed(kind::OPEN, 1, &message::open("drawer-open-v3"))
     );
-    assert_eq!(golden["reset"], framed(kind::RESET, 2, &message::reset(7)));
+    assert_eq!(
+        golden["reset"],
+        framed(kind::RESET, 2, &message::reset(1, 7))
+    );
     let mut action = vec![9];
-    message::step(&[1.0, -1.0, 0.5, 0.0], &mut action);
+    let moves = [(0, 0.5), (1, -1.0)].map(|(slot, value)| Move {
+        slot,
+        action: vec![value],
+    });
+    message::step(&moves, &mut action);
     assert_eq!(golden["step"], framed(kind::STEP, 3, &action));
     let job = EpisodeJob {
         task: "not on the wire".to_owned(),
@@ -114,22 +121,22 @@ fn replies_are_read_as_the_document_says() {
     );
     let resetted = message::parse_resetted(&payload_of("resetted", kind::RESETTED), &SHAPE);
     assert_eq!(resetted, Ok((vec![1.0, -0.5], vec![0.25])));
-    let mut step = Step {
-        observation: vec![9.0; 5],
-        ..Step::default()
-    };
-    assert_eq!(
-        message::parse_stepped(&payload_of("stepped", kind::STEPPED), &SHAPE, &mut step),
-        Ok(())
-    );
-    let expected = Step {
+    let solved = Step {
         observation: vec![0.25, 2.0],
         reward: 1.5,
         success: true,
         terminated: false,
         truncated: true,
     };
-    assert_eq!(step, expected);
+    let unsolved = Step {
+        observation: vec![0.5, 3.0],
+        reward: -2.5,
+        ..Step::default()
+    };
+    assert_eq!(
+        message::parse_stepped(&payload_of("stepped", kind::STEPPED), &SHAPE, 2),
+        Ok(vec![solved, unsolved])
+    );
     let fault = message::parse_fault(&payload_of("fault", kind::FAULT));
     assert_eq!(
         fault,

@@ -28,6 +28,9 @@ pub mod kind {
     pub const FAULT: u16 = 0xFF;
 }
 
+/// Episodes that a worker plays side by side at most.
+pub const SLOTS: u16 = 64;
+
 const SUCCESS: u8 = 1;
 const TERMINATED: u8 = 2;
 const TRUNCATED: u8 = 4;
@@ -97,6 +100,15 @@ pub struct Shape {
     pub horizon: u32,
 }
 
+/// An action for the episode in a slot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Move {
+    /// Where the episode was started, below [`SLOTS`].
+    pub slot: u16,
+    /// The action.
+    pub action: Vec<f32>,
+}
+
 /// What came of one action.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
@@ -120,15 +132,20 @@ pub fn open(task: &str) -> Vec<u8> {
 
 /// The payload of RESET.
 #[must_use]
-pub fn reset(seed: u64) -> [u8; 8] {
-    seed.to_le_bytes()
+pub fn reset(slot: u16, seed: u64) -> Vec<u8> {
+    let mut payload = slot.to_le_bytes().to_vec();
+    payload.extend_from_slice(&seed.to_le_bytes());
+    payload
 }
 
 /// The payload of STEP, into a buffer that is used again.
-pub fn step(action: &[f32], out: &mut Vec<u8>) {
+pub fn step(moves: &[Move], out: &mut Vec<u8>) {
     out.clear();
-    for value in action {
-        out.extend_from_slice(&value.to_le_bytes());
+    for Move { slot, action } in moves {
+        out.extend_from_slice(&slot.to_le_bytes());
+        for value in action {
+            out.extend_from_slice(&value.to_le_bytes());
+        }
     }
 }
 
@@ -182,19 +199,30 @@ pub fn parse_resetted(payload: &[u8], shape: &Shape) -> Result<(Vec<f32>, Vec<f6
     fields.end((observation, goal))
 }
 
-/// Reads STEPPED into a step that is used again.
+/// Reads STEPPED, the answer to this many actions.
 ///
 /// # Errors
 /// When the payload has another layout.
-pub fn parse_stepped(payload: &[u8], shape: &Shape, step: &mut Step) -> Result<(), MessageError> {
+pub fn parse_stepped(
+    payload: &[u8],
+    shape: &Shape,
+    moves: usize,
+) -> Result<Vec<Step>, MessageError> {
     let mut fields = Fields::new(payload);
-    fields.f32s_into(shape.observation, &mut step.observation)?;
-    step.reward = fields.f64()?;
-    let flags = fields.u8()?;
-    step.success = flags & SUCCESS != 0;
-    step.terminated = flags & TERMINATED != 0;
-    step.truncated = flags & TRUNCATED != 0;
-    fields.end(())
+    let mut steps = Vec::with_capacity(moves);
+    for _ in 0..moves {
+        let observation = fields.f32s(shape.observation)?;
+        let reward = fields.f64()?;
+        let flags = fields.u8()?;
+        steps.push(Step {
+            observation,
+            reward,
+            success: flags & SUCCESS != 0,
+            terminated: flags & TERMINATED != 0,
+            truncated: flags & TRUNCATED != 0,
+        });
+    }
+    fields.end(steps)
 }
 
 /// Reads COLLECTED.
@@ -290,16 +318,11 @@ impl<'a> Fields<'a> {
     }
 
     fn f32s(&mut self, count: usize) -> Result<Vec<f32>, MessageError> {
-        let mut values = Vec::new();
-        self.f32s_into(count, &mut values)?;
-        Ok(values)
-    }
-
-    fn f32s_into(&mut self, count: usize, values: &mut Vec<f32>) -> Result<(), MessageError> {
         let (quads, _) = self.take(count.saturating_mul(4))?.as_chunks::<4>();
-        values.clear();
-        values.extend(quads.iter().map(|bytes| f32::from_le_bytes(*bytes)));
-        Ok(())
+        Ok(quads
+            .iter()
+            .map(|bytes| f32::from_le_bytes(*bytes))
+            .collect())
     }
 
     fn f64s(&mut self, count: usize) -> Result<Vec<f64>, MessageError> {

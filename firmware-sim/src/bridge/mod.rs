@@ -3,6 +3,7 @@
 //! [`environment::ensure`] sets up the Python side once, [`Worker`] is one process, [`Pool`] runs many episodes on several.
 //! The bytes on the wire are described in `docs/bridge-protocol.md`.
 
+mod engine;
 pub mod environment;
 mod episode;
 mod error;
@@ -16,9 +17,10 @@ pub mod speed;
 mod worker;
 
 pub use crate::last_words::LastWords;
+pub use engine::Engine;
 pub use environment::Environment;
 pub use episode::{Behaviour, Episode, EpisodeJob};
 pub use error::BridgeError;
-pub use message::{Shape, Step};
+pub use message::{Move, Shape, Step};
 pub use pool::Pool;
 pub use worker::Worker;

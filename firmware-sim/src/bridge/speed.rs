@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 
 use super::environment::Environment;
 use super::error::BridgeError;
-use super::message::Step;
 use super::worker::{Worker, settings};
 use crate::interrupt;
 use crate::last_words::Listener;
@@ -71,13 +70,13 @@ fn through_bridge(
 ) -> Result<Duration, BridgeError> {
     let mut worker = Worker::spawn(environment)?;
     let horizon = worker.open(task)?.horizon;
-    let (mut spent, mut left, mut step) = (Duration::ZERO, steps, Step::default());
+    let (mut spent, mut left) = (Duration::ZERO, steps);
     while left > 0 {
-        worker.reset(1)?;
+        worker.reset(0, 1)?;
         let chunk = left.min(horizon);
         let begin = Instant::now();
         for _ in 0..chunk {
-            worker.step_into(&ACTION, &mut step)?;
+            worker.step(&ACTION)?;
         }
         spent += begin.elapsed();
         left -= chunk;
@@ -98,7 +97,7 @@ fn without_bridge(
     let mut child = settings(&mut Command::new(environment.python()))
         .arg("-Es")
         .arg(environment.worker().with_file_name(SCRIPT))
-        .args([task, &steps.to_string()])
+        .args([task, &steps.to_string(), environment.engine().name()])
         .current_dir(environment.scratch())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

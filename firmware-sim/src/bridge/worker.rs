@@ -10,7 +10,7 @@ use super::episode::{Episode, EpisodeJob};
 use super::error::{BridgeError, Nonsense};
 use super::frame::PROTOCOL_VERSION;
 use super::link::{Link, LinkError};
-use super::message::{self, FaultCode, MessageError, Shape, Step, kind};
+use super::message::{self, FaultCode, MessageError, Move, Shape, Step, kind};
 use crate::last_words::{LastWords, Listener};
 
 /// How long a worker may take for anything but a whole episode. Importing the simulator from a cold disk is the slowest.
@@ -122,49 +122,49 @@ impl Worker {
         Ok(opened)
     }
 
-    /// Starts the episode of a seed: the first observation, and the goal that was drawn.
+    /// Starts the episode of a seed in a slot: the first observation, and the goal that was drawn.
     ///
     /// # Errors
     /// When no task is open or the worker fails.
-    pub fn reset(&mut self, seed: u64) -> Result<(Vec<f32>, Vec<f64>), BridgeError> {
+    pub fn reset(&mut self, slot: u16, seed: u64) -> Result<(Vec<f32>, Vec<f64>), BridgeError> {
         let shape = self.shape().ok_or(BridgeError::NoTask)?;
         let patience = self.patience;
         self.ask(
             "start an episode",
             kind::RESET,
-            &message::reset(seed),
+            &message::reset(slot, seed),
             patience,
             |payload| message::parse_resetted(payload, &shape),
         )
     }
 
-    /// Applies one action.
+    /// Applies one action to the episode in slot 0.
     ///
     /// # Errors
-    /// When the action has the wrong length, no episode is running, or the worker fails.
+    /// As [`Worker::step_all`].
     pub fn step(&mut self, action: &[f32]) -> Result<Step, BridgeError> {
-        let mut step = Step::default();
-        self.step_into(action, &mut step)?;
-        Ok(step)
+        let action = action.to_vec();
+        let steps = self.step_all(&[Move { slot: 0, action }])?;
+        Ok(steps.into_iter().next().unwrap_or_default())
     }
 
-    /// Applies one action, reusing the memory of an earlier step.
+    /// Applies an action to each of several episodes; what came of them, in the same order.
     ///
     /// # Errors
-    /// As [`Worker::step`].
-    pub fn step_into(&mut self, action: &[f32], step: &mut Step) -> Result<(), BridgeError> {
+    /// When an action has the wrong length, no episode is running in a slot, or the worker fails.
+    pub fn step_all(&mut self, moves: &[Move]) -> Result<Vec<Step>, BridgeError> {
         let shape = self.shape().ok_or(BridgeError::NoTask)?;
-        if action.len() != shape.action {
+        if let Some(odd) = moves.iter().find(|one| one.action.len() != shape.action) {
             return Err(BridgeError::ActionLength {
                 expected: shape.action,
-                actual: action.len(),
+                actual: odd.action.len(),
             });
         }
         let mut payload = std::mem::take(&mut self.payload);
-        message::step(action, &mut payload);
+        message::step(moves, &mut payload);
         let patience = self.patience;
         let stepped = self.ask("make a step", kind::STEP, &payload, patience, |payload| {
-            message::parse_stepped(payload, &shape, step)
+            message::parse_stepped(payload, &shape, moves.len())
         });
         self.payload = payload;
         stepped
@@ -360,6 +360,7 @@ fn command(environment: &Environment) -> Command {
         // Neither PYTHONPATH nor the user's own packages may change what is imported.
         .arg("-Es")
         .arg(environment.worker())
+        .arg(environment.engine().name())
         .current_dir(environment.scratch())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -26,7 +26,7 @@ use crate::plants::replay::ReplayPlant;
 use crate::progress::Progress;
 use crate::remote::{RemoteController, RemoteError, Stream};
 use crate::rollout::{
-    DeviceSummary, Flight, FlyError, Pilot, episode_seeds, fly, fly_episode, fly_with,
+    DeviceSummary, Flight, FlyError, Pilot, abreast, episode_seeds, fly, fly_episode, fly_with,
 };
 use crate::tasks;
 
@@ -61,41 +61,49 @@ impl Crew<'_> {
         };
         let environment = environment::ensure(self.args.output.audience())
             .map_err(|error| Failure::new(error.exit_code(), error))?;
-        let (report, recorded) =
-            self.fly_many(|| MetaWorldPlant::new(&environment, task).map_err(PlantError::link))?;
-        Ok((report.on_task(task), recorded))
+        let environment = environment.with_engine(self.args.engine);
+        // A device flies one plant at a time.
+        let plants = match self.fleet {
+            None => abreast(self.args.episodes as usize, self.workers()),
+            Some(_) => 1,
+        };
+        let (report, recorded) = self.fly_many(|| {
+            MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link)
+        })?;
+        let report = Report {
+            engine: Some(environment.engine()),
+            ..report.on_task(task)
+        };
+        Ok((report, recorded))
     }
 
     pub fn fly_many<P: Plant>(
         &self,
-        make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+        make_plants: impl Fn() -> Result<Vec<P>, PlantError> + Sync,
     ) -> Result<Flown, Failure> {
         if let Some(path) = &self.args.record {
             let shelf = Shelf::default();
-            let flown = self.fly_side_by_side(|| Ok(Recorder::new(make_plant()?, shelf.clone())));
+            let recorded = |plant| Recorder::new(plant, shelf.clone());
+            let flown =
+                self.fly_side_by_side(|| Ok(make_plants()?.into_iter().map(recorded).collect()));
             // Also after a flight that ended early: what was recorded by then is whole.
             let recorded = self.write_recordings(&shelf, path);
             Ok((flown?, recorded))
         } else if self.args.fault.is_empty() {
-            Ok((self.fly_side_by_side(make_plant)?, Ok(())))
+            Ok((self.fly_side_by_side(make_plants)?, Ok(())))
         } else {
-            let faulty = || {
-                Ok(FaultInjector::new(
-                    make_plant()?,
-                    self.args.fault.clone(),
-                    self.args.seed,
-                ))
-            };
-            Ok((self.fly_side_by_side(faulty)?, Ok(())))
+            let faulty = |plant| FaultInjector::new(plant, self.args.fault.clone(), self.args.seed);
+            let report =
+                self.fly_side_by_side(|| Ok(make_plants()?.into_iter().map(faulty).collect()))?;
+            Ok((report, Ok(())))
         }
     }
 
     fn fly_side_by_side<P: Plant>(
         &self,
-        make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+        make_plants: impl Fn() -> Result<Vec<P>, PlantError> + Sync,
     ) -> Result<Report, Failure> {
-        let cores = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-        let workers = self.args.workers.unwrap_or_else(cores);
+        let workers = self.workers();
         let seeds = episode_seeds(self.args.seed, self.args.episodes as usize);
         let progress =
             self.args
@@ -110,7 +118,7 @@ impl Crew<'_> {
                 fly(
                     self.artifact,
                     numeric,
-                    make_plant,
+                    make_plants,
                     &seeds,
                     workers,
                     stop,
@@ -121,7 +129,7 @@ impl Crew<'_> {
                 let workers = workers.min(boards.limit());
                 fly_with(
                     || self.pilot(boards, &progress),
-                    make_plant,
+                    make_plants,
                     &seeds,
                     workers,
                     stop,
@@ -134,6 +142,11 @@ impl Crew<'_> {
             seed: Some(self.args.seed),
             ..self.report(&flight?)
         })
+    }
+
+    fn workers(&self) -> NonZeroUsize {
+        let cores = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+        self.args.workers.unwrap_or_else(cores)
     }
 
     fn write_recordings(&self, shelf: &Shelf, path: &Path) -> Result<(), Failure> {

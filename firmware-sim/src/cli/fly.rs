@@ -9,6 +9,7 @@ use super::artefact;
 use super::flights::Crew;
 use super::report::Report;
 use super::seat::SeatArgs;
+use crate::bridge::Engine;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -48,7 +49,10 @@ pub struct FlyArgs {
     /// The root seed that the episodes' seeds are derived from
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// How many plants side by side; all cores if not given. Changes nothing but the time
+    /// How Meta-World is simulated; both engines fly the same episodes, to the bit
+    #[arg(long, value_enum, default_value_t)]
+    pub engine: Engine,
+    /// How many simulators side by side; all cores if not given. Changes nothing but the time
     #[arg(long)]
     pub workers: Option<NonZeroUsize>,
     /// What to fly
@@ -95,7 +99,7 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     };
     let (flight, recorded) = match args.plant {
         PlantKind::Metaworld => crew.fly_metaworld()?,
-        PlantKind::Toy => crew.fly_many(|| Ok(ToyPlant::new()))?,
+        PlantKind::Toy => crew.fly_many(|| Ok(vec![ToyPlant::new()]))?,
         PlantKind::Replay => (crew.fly_recording()?, Ok(())),
     };
     let report = Report {

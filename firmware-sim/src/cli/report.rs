@@ -6,6 +6,7 @@ use serde::Serialize;
 use ted_policy::Artifact;
 
 use super::device_report::DeviceReport;
+use crate::bridge::Engine;
 use crate::plants::replay::Difference;
 use crate::rollout::{EpisodeReport, Flight, Summary, normalised_score};
 
@@ -20,6 +21,9 @@ pub struct Report {
     pub trained_for: String,
     /// The kind of plant.
     pub plant: String,
+    /// How Meta-World was simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<Engine>,
     /// The faults that were injected.
     pub injected: Vec<String>,
     /// The root of the episodes' seeds; a recording has none.
@@ -90,6 +94,7 @@ impl Report {
             trained_for: task.clone(),
             task,
             plant: String::new(),
+            engine: None,
             injected: Vec::new(),
             seed: None,
             return_mean: summary.return_mean,
@@ -146,6 +151,9 @@ impl Display for Report {
             "flown       {flown} episodes of {} on {}",
             self.task, self.plant
         )?;
+        if let Some(engine) = self.engine {
+            write!(f, " ({engine} engine)")?;
+        }
         match self.seed {
             Some(seed) => writeln!(f, ", root seed {seed}")?,
             None => writeln!(f)?,

@@ -1,17 +1,22 @@
-//! A task of MuJoCo Meta-World as a plant: one simulator process, one task.
+//! A task of MuJoCo Meta-World as a plant: one simulator process, several episodes of one task side by side.
 
-use crate::bridge::{BridgeError, Environment, Shape, Step, Worker};
+use std::cell::RefCell;
+use std::mem;
+use std::rc::Rc;
+
+use crate::bridge::{BridgeError, Environment, Move, Shape, Step, Worker};
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
 
 /// Simulated time of one step: Meta-World makes 80 of them per second.
 pub const CONTROL_PERIOD_US: u32 = 12_500;
 
-/// One Meta-World task, simulated by a worker process that ends with this value.
+/// One Meta-World task, simulated by a worker process that ends with the last of the plants made with this one.
 #[derive(Debug)]
 pub struct MetaWorldPlant {
-    worker: Worker,
+    shared: Rc<RefCell<Shared>>,
+    slot: u16,
     shape: Shape,
-    /// The latest step of the running episode; its buffers are used again.
+    /// The latest step of the running episode.
     latest: Step,
     /// Steps since the last reset, if there was one.
     steps: Option<u32>,
@@ -24,15 +29,34 @@ impl MetaWorldPlant {
     /// # Errors
     /// When the simulator does not start or has no such task.
     pub fn new(environment: &Environment, task: &str) -> Result<Self, BridgeError> {
-        let mut worker = Worker::spawn(environment)?;
-        let shape = worker.open(task)?;
-        Ok(Self {
-            worker,
+        let (shared, shape) = Shared::open(environment, task)?;
+        Ok(Self::in_slot(&shared, shape, 0))
+    }
+
+    /// Several plants in one simulator. Steps that are announced are made together, which saves most of the way there and back.
+    ///
+    /// # Errors
+    /// When the simulator does not start or has no such task.
+    pub fn several(
+        environment: &Environment,
+        task: &str,
+        plants: u16,
+    ) -> Result<Vec<Self>, BridgeError> {
+        let (shared, shape) = Shared::open(environment, task)?;
+        Ok((0..plants)
+            .map(|slot| Self::in_slot(&shared, shape, slot))
+            .collect())
+    }
+
+    fn in_slot(shared: &Rc<RefCell<Shared>>, shape: Shape, slot: u16) -> Self {
+        Self {
+            shared: Rc::clone(shared),
+            slot,
             shape,
             latest: Step::default(),
             steps: None,
             running: false,
-        })
+        }
     }
 
     /// The sizes of the task's observations and actions, and the length of its episodes.
@@ -40,13 +64,27 @@ impl MetaWorldPlant {
     pub const fn shape(&self) -> Shape {
         self.shape
     }
+
+    /// Steps made so far, if this action can be the next one.
+    fn ready_for(&self, action_env: &[f32]) -> Result<u32, PlantError> {
+        let steps = self.steps.filter(|_| self.running);
+        let steps = steps.ok_or(PlantError::NoEpisode)?;
+        if action_env.len() == self.shape.action {
+            Ok(steps)
+        } else {
+            Err(PlantError::ActionLength {
+                expected: self.shape.action,
+                actual: action_env.len(),
+            })
+        }
+    }
 }
 
 impl Plant for MetaWorldPlant {
     fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
         (self.steps, self.running) = (None, false);
-        let (observation, _goal) = self.worker.reset(seed).map_err(PlantError::link)?;
-        self.latest.observation = observation;
+        let reset = self.shared.borrow_mut().reset(self.slot, seed);
+        self.latest.observation = reset.map_err(PlantError::link)?;
         (self.steps, self.running) = (Some(0), true);
         Ok(())
     }
@@ -64,21 +102,19 @@ impl Plant for MetaWorldPlant {
         })
     }
 
+    fn announce(&mut self, action_env: &[f32]) -> Result<(), PlantError> {
+        self.ready_for(action_env)?;
+        self.shared.borrow_mut().announce(self.slot, action_env);
+        Ok(())
+    }
+
     fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
-        let steps = self.steps.filter(|_| self.running);
-        let steps = steps.ok_or(PlantError::NoEpisode)?;
-        if action_env.len() != self.shape.action {
-            return Err(PlantError::ActionLength {
-                expected: self.shape.action,
-                actual: action_env.len(),
-            });
-        }
-        self.worker
-            .step_into(action_env, &mut self.latest)
-            .map_err(|error| {
-                (self.steps, self.running) = (None, false);
-                PlantError::link(error)
-            })?;
+        let steps = self.ready_for(action_env)?;
+        let stepped = self.shared.borrow_mut().step(self.slot, action_env);
+        self.latest = stepped.map_err(|error| {
+            (self.steps, self.running) = (None, false);
+            PlantError::link(error)
+        })?;
         let done = self.latest.terminated || self.latest.truncated;
         (self.steps, self.running) = (Some(steps + 1), !done);
         Ok(StepOutcome {
@@ -86,5 +122,56 @@ impl Plant for MetaWorldPlant {
             success: self.latest.success,
             done,
         })
+    }
+}
+
+/// What plants in one simulator have in common.
+#[derive(Debug)]
+struct Shared {
+    worker: Worker,
+    /// Actions to be applied with the next one, at most one for a slot.
+    announced: Vec<Move>,
+    /// What came of actions that were applied with another plant's, by slot.
+    made: Vec<(u16, Step)>,
+}
+
+impl Shared {
+    fn open(
+        environment: &Environment,
+        task: &str,
+    ) -> Result<(Rc<RefCell<Self>>, Shape), BridgeError> {
+        let mut worker = Worker::spawn(environment)?;
+        let shape = worker.open(task)?;
+        let shared = Self {
+            worker,
+            announced: Vec::new(),
+            made: Vec::new(),
+        };
+        Ok((Rc::new(RefCell::new(shared)), shape))
+    }
+
+    fn reset(&mut self, slot: u16, seed: u64) -> Result<Vec<f32>, BridgeError> {
+        self.announced.retain(|one| one.slot != slot);
+        self.made.retain(|(made, _)| *made != slot);
+        let (observation, _goal) = self.worker.reset(slot, seed)?;
+        Ok(observation)
+    }
+
+    fn announce(&mut self, slot: u16, action_env: &[f32]) {
+        self.announced.retain(|one| one.slot != slot);
+        let action = action_env.to_vec();
+        self.announced.push(Move { slot, action });
+    }
+
+    fn step(&mut self, slot: u16, action_env: &[f32]) -> Result<Step, BridgeError> {
+        if !self.made.iter().any(|(made, _)| *made == slot) {
+            self.announce(slot, action_env);
+            let moves = mem::take(&mut self.announced);
+            let steps = self.worker.step_all(&moves)?;
+            let slots = moves.iter().map(|one| one.slot);
+            self.made.extend(slots.zip(steps));
+        }
+        let own = self.made.iter().position(|(made, _)| *made == slot);
+        Ok(own.map_or_else(Step::default, |own| self.made.swap_remove(own).1))
     }
 }

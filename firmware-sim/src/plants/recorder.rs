@@ -61,6 +61,10 @@ impl<P: Plant> Plant for Recorder<P> {
         self.plant.observe()
     }
 
+    fn announce(&mut self, action_env: &[f32]) -> Result<(), PlantError> {
+        self.plant.announce(action_env)
+    }
+
     fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
         // Observing twice shows the same, so the recording does not depend on how often the controller looked.
         self.running

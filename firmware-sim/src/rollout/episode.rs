@@ -6,9 +6,9 @@ use thiserror::Error;
 
 use super::{Pilot, TickTimes};
 use crate::exit::ExitCode;
-use crate::plant::{Plant, PlantError};
+use crate::plant::{Plant, PlantError, StepOutcome};
 use crate::remote::RemoteError;
-use crate::safety::{Fault, ObservationFrame};
+use crate::safety::{Action, Fault, ObservationFrame};
 
 /// What happened in an episode. A function of artefact, plant and seed: nothing in it depends on the machine that flew it.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,20 +71,52 @@ pub fn fly_episode(
     plant: &mut impl Plant,
     seed: u64,
 ) -> Result<(EpisodeReport, TickTimes), EpisodeError> {
-    let mut report = EpisodeReport {
-        seed,
-        return_true: 0.0,
-        success: false,
-        ticks: 0,
-        fault: None,
-        clamped_ticks: 0,
-        slew_limited_ticks: 0,
-        deadlines_missed: 0,
-    };
-    let mut times = TickTimes::default();
-    pilot.reset()?;
-    plant.reset(seed)?;
+    let mut underway = Underway::take_off(pilot, plant, seed)?;
     loop {
+        let action = underway.decide(pilot, plant)?;
+        if underway.settle(plant.apply(&action)?) {
+            return Ok(underway.land());
+        }
+    }
+}
+
+/// An episode between its start and its end.
+#[derive(Debug)]
+pub(super) struct Underway {
+    report: EpisodeReport,
+    times: TickTimes,
+}
+
+impl Underway {
+    /// Starts the episode of this seed.
+    pub(super) fn take_off(
+        pilot: &mut impl Pilot,
+        plant: &mut impl Plant,
+        seed: u64,
+    ) -> Result<Self, EpisodeError> {
+        pilot.reset()?;
+        plant.reset(seed)?;
+        Ok(Self {
+            report: EpisodeReport {
+                seed,
+                return_true: 0.0,
+                success: false,
+                ticks: 0,
+                fault: None,
+                clamped_ticks: 0,
+                slew_limited_ticks: 0,
+                deadlines_missed: 0,
+            },
+            times: TickTimes::default(),
+        })
+    }
+
+    /// What the pilot does about what the plant shows.
+    pub(super) fn decide(
+        &mut self,
+        pilot: &mut impl Pilot,
+        plant: &mut impl Plant,
+    ) -> Result<Action, EpisodeError> {
         let observed = plant.observe()?;
         let now_us = plant.now_us();
         let (sequence, stamp_us) = (observed.sequence, observed.stamp_us);
@@ -95,12 +127,9 @@ pub fn fly_episode(
         };
         let before = Instant::now();
         let (action, status) = pilot.tick(now_us, &frame)?;
-        times.push(before.elapsed());
+        self.times.push(before.elapsed());
 
-        let outcome = plant.apply(&action)?;
-        report.ticks += 1;
-        report.return_true += outcome.reward_true;
-        report.success |= outcome.success;
+        let report = &mut self.report;
         report.clamped_ticks += u32::from(status.clamped);
         report.slew_limited_ticks += u32::from(status.slew_limited);
         report.deadlines_missed = status.deadlines_missed;
@@ -110,8 +139,18 @@ pub fn fly_episode(
                 fault,
             });
         }
-        if outcome.done {
-            return Ok((report, times));
-        }
+        Ok(action)
+    }
+
+    /// Notes what came of it, and says whether that was the end.
+    pub(super) fn settle(&mut self, outcome: StepOutcome) -> bool {
+        self.report.ticks += 1;
+        self.report.return_true += outcome.reward_true;
+        self.report.success |= outcome.success;
+        outcome.done
+    }
+
+    pub(super) fn land(self) -> (EpisodeReport, TickTimes) {
+        (self.report, self.times)
     }
 }

@@ -1,8 +1,9 @@
-//! Flying episodes: a pilot and a plant in lockstep, many plants side by side.
+//! Flying episodes: a pilot and a plant in lockstep, many plants side by side, some of them abreast in one simulator.
 //!
 //! An episode is a function of the artefact, the kind of plant and the seed. Which worker flew it, and after what, makes
 //! no difference, and neither does where the controller is; so the trainer's evaluation and `firmware-sim fly` agree to the bit.
 
+mod crew;
 mod debrief;
 mod episode;
 mod pilot;
@@ -16,18 +17,21 @@ pub use score::{Summary, normalised_score};
 pub use tick_times::TickTimes;
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, Sender};
+use std::sync::mpsc;
 use std::thread;
 
 use ted_policy::{Artifact, ArtifactError};
 use thiserror::Error;
 
+use self::crew::{Crew, Landed};
 use crate::controller::{Controller, Numeric};
 use crate::exit::ExitCode;
 use crate::plant::{Plant, PlantError};
 use crate::remote::RemoteError;
 use crate::splitmix::mix;
+
+/// How many plants fly abreast in one simulator: more do not make it faster, and a worker's last episodes fly with fewer.
+const ABREAST: usize = 8;
 
 /// Keeps the seeds of evaluation apart from other uses of the same root seed.
 const EVALUATION: u64 = 0x6576_616c_7561_7465;
@@ -44,6 +48,12 @@ pub fn episode_seeds(root: u64, episodes: usize) -> Vec<u64> {
     (0..episodes as u64)
         .map(|index| episode_seed(root, index))
         .collect()
+}
+
+/// How many plants each of these workers should fly abreast when plants of one worker share a simulator.
+#[must_use]
+pub fn abreast(episodes: usize, workers: NonZeroUsize) -> u16 {
+    episodes.div_ceil(workers.get()).clamp(1, ABREAST) as u16
 }
 
 /// What a flight brought home.
@@ -100,14 +110,14 @@ impl FlyError {
     }
 }
 
-/// Flies one episode per seed with controllers on this machine, on `workers` plants side by side.
+/// Flies one episode per seed with controllers on this machine, on the plants of several workers side by side.
 ///
 /// # Errors
 /// When the artefact is refused, or has no networks in these numbers; else as [`fly_with`].
 pub fn fly<P: Plant>(
     artifact: &Artifact<'_>,
     numeric: Numeric,
-    make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    make_plants: impl Fn() -> Result<Vec<P>, PlantError> + Sync,
     seeds: &[u64],
     workers: NonZeroUsize,
     stop: impl Fn() -> bool + Sync,
@@ -115,33 +125,26 @@ pub fn fly<P: Plant>(
 ) -> Result<Flight, FlyError> {
     let controller = Controller::load(artifact, numeric)?;
     let make_pilot = || Ok(controller.clone());
-    fly_with(make_pilot, make_plant, seeds, workers, stop, landed)
+    fly_with(make_pilot, make_plants, seeds, workers, stop, landed)
 }
 
-/// Flies one episode per seed, on `workers` plants side by side, each with a pilot of its own.
+/// Flies one episode per seed, on the plants of `workers` threads side by side, each plant with a pilot of its own.
 ///
-/// `make_pilot` is called once per worker. `make_plant` is too, and again when a plant's link breaks in mid-episode: that
-/// episode is flown again from its seed, once. `stop` is asked between episodes; `landed` hears of each as it ends, in any
-/// order.
+/// `make_plants` is called once per worker for the plants that it flies abreast, and again when the link of one of them breaks in
+/// mid-episode: what its plants were flying is flown again from its seed, once. `make_pilot` is called for each plant. `stop` is
+/// asked between episodes; `landed` hears of each as it ends, in any order.
 ///
 /// # Errors
 /// When a pilot or a plant fails for good, or `stop` said so.
 pub fn fly_with<Q: Pilot, P: Plant>(
     make_pilot: impl Fn() -> Result<Q, RemoteError> + Sync,
-    make_plant: impl Fn() -> Result<P, PlantError> + Sync,
+    make_plants: impl Fn() -> Result<Vec<P>, PlantError> + Sync,
     seeds: &[u64],
     workers: NonZeroUsize,
     stop: impl Fn() -> bool + Sync,
     mut landed: impl FnMut(&EpisodeReport),
 ) -> Result<Flight, FlyError> {
-    let crew = Crew {
-        make_pilot,
-        make_plant,
-        seeds,
-        stop,
-        next: AtomicUsize::new(0),
-        failed: AtomicBool::new(false),
-    };
+    let crew = Crew::new(make_pilot, make_plants, seeds, stop);
     thread::scope(|scope| {
         let (sender, receiver) = mpsc::channel();
         for _ in 0..workers.get().min(seeds.len()) {
@@ -170,14 +173,6 @@ pub fn fly_with<Q: Pilot, P: Plant>(
     })
 }
 
-/// An episode that ended.
-struct Landed {
-    index: usize,
-    report: EpisodeReport,
-    times: TickTimes,
-    debrief: Option<Debrief>,
-}
-
 impl Flight {
     fn of(home: Vec<Landed>) -> Self {
         let mut flight = Self {
@@ -189,79 +184,5 @@ impl Flight {
             flight.tick_times.append(landed.times);
         }
         flight
-    }
-}
-
-/// What the workers of a flight share.
-struct Crew<'a, L, M, S> {
-    make_pilot: L,
-    make_plant: M,
-    seeds: &'a [u64],
-    stop: S,
-    next: AtomicUsize,
-    failed: AtomicBool,
-}
-
-impl<Q, P, L, M, S> Crew<'_, L, M, S>
-where
-    Q: Pilot,
-    P: Plant,
-    L: Fn() -> Result<Q, RemoteError>,
-    M: Fn() -> Result<P, PlantError>,
-    S: Fn() -> bool,
-{
-    fn work(&self, landings: &Sender<Result<Landed, FlyError>>) {
-        if let Err(error) = self.fly_until_done(landings) {
-            self.failed.store(true, Ordering::Relaxed);
-            // The receiver lives until every worker has ended.
-            landings.send(Err(error)).unwrap_or_default();
-        }
-    }
-
-    fn fly_until_done(&self, landings: &Sender<Result<Landed, FlyError>>) -> Result<(), FlyError> {
-        let mut pilot = (self.make_pilot)().map_err(FlyError::NoPilot)?;
-        let mut plant = (self.make_plant)().map_err(FlyError::NoPlant)?;
-        while !self.failed.load(Ordering::Relaxed) && !(self.stop)() {
-            let index = self.next.fetch_add(1, Ordering::Relaxed);
-            let Some(&seed) = self.seeds.get(index) else {
-                break;
-            };
-            match self.fly_seed(&mut pilot, &mut plant, seed) {
-                Ok((report, times)) => {
-                    let debrief = pilot.debrief().map_err(|error| FlyError::Episode {
-                        seed,
-                        source: error.into(),
-                    })?;
-                    let home = Landed {
-                        index,
-                        report,
-                        times,
-                        debrief,
-                    };
-                    landings.send(Ok(home)).unwrap_or_default();
-                }
-                // A link may well break because of what asked for the stop.
-                Err(FlyError::Episode {
-                    source: EpisodeError::Plant(PlantError::Link(_)) | EpisodeError::Pilot(_),
-                    ..
-                }) if (self.stop)() => break,
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(())
-    }
-
-    fn fly_seed(
-        &self,
-        pilot: &mut Q,
-        plant: &mut P,
-        seed: u64,
-    ) -> Result<(EpisodeReport, TickTimes), FlyError> {
-        let mut flown = fly_episode(pilot, plant, seed);
-        if matches!(flown, Err(EpisodeError::Plant(PlantError::Link(_)))) && !(self.stop)() {
-            *plant = (self.make_plant)().map_err(FlyError::NoPlant)?;
-            flown = fly_episode(pilot, plant, seed);
-        }
-        flown.map_err(|source| FlyError::Episode { seed, source })
     }
 }

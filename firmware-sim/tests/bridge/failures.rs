@@ -33,7 +33,7 @@ fn a_good_worker_plays_and_steps() {
     assert_eq!(worker.versions(), "fake=1");
     let episode = worker.collect(&job(7)).expect("an episode");
     assert_eq!((episode.steps(), episode.goal), (20, vec![7.0]));
-    let (observation, goal) = worker.reset(5).expect("a reset");
+    let (observation, goal) = worker.reset(0, 5).expect("a reset");
     assert_eq!((observation, goal), (vec![0.0, 5.0], vec![5.0]));
     assert_eq!(worker.step(&[0.5]).expect("a step").reward, -0.5);
     drop(worker);
@@ -61,8 +61,8 @@ fn a_worker_of_another_protocol_version_is_refused_with_both_versions() {
     assert!(matches!(
         error,
         BridgeError::ProtocolVersion {
-            expected: 1,
-            actual: 2,
+            expected: 2,
+            actual: 3,
             ..
         }
     ));
@@ -140,7 +140,7 @@ fn a_worker_that_gives_no_answer_is_stopped() {
     let mut worker =
         Worker::spawn_patiently(&fake.environment(), patience).expect("the worker starts");
     worker.open("fake-v3").expect("a task");
-    worker.reset(1).expect("an episode");
+    worker.reset(0, 1).expect("an episode");
     assert!(matches!(
         worker.step(&[0.0]),
         Err(BridgeError::Silent { seconds: 1, .. })
@@ -168,14 +168,14 @@ fn a_refusal_leaves_the_worker_well() {
     let error = worker.collect(&job(1)).expect_err("it refuses");
     assert!(matches!(error, BridgeError::Refused { .. }) && !error.is_worker_failure());
     assert!(error.to_string().contains("the drawer fell off"));
-    worker.reset(1).expect("it still works");
+    worker.reset(0, 1).expect("it still works");
 }
 
 #[test]
 fn requests_out_of_order_are_refused_before_they_are_sent() {
     let (_fake, worker) = start("good");
     let mut worker = worker.expect("the worker starts");
-    assert!(matches!(worker.reset(1), Err(BridgeError::NoTask)));
+    assert!(matches!(worker.reset(0, 1), Err(BridgeError::NoTask)));
     assert!(matches!(worker.step(&[0.0]), Err(BridgeError::NoTask)));
     worker.open("fake-v3").expect("a task");
     assert!(matches!(

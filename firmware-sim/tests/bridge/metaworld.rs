@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use firmware_sim::bridge::speed::{self, Speed};
 use firmware_sim::bridge::{
-    Behaviour, BridgeError, Environment, EpisodeJob, Pool, Worker, environment,
+    Behaviour, BridgeError, Engine, Environment, EpisodeJob, Pool, Worker, environment,
 };
 use firmware_sim::plant::{Plant, PlantError};
 use firmware_sim::plants::metaworld::MetaWorldPlant;
@@ -46,6 +46,57 @@ fn a_session_tells_a_request_that_makes_no_sense_from_a_simulator_that_fails() {
 }
 
 #[test]
+fn both_engines_play_all_tasks_with_the_same_bits() {
+    passes(ENVIRONMENT.python(), "test_fast.py");
+}
+
+#[test]
+fn both_engines_are_told_apart_by_their_name_and_by_nothing_else() {
+    let reference = ENVIRONMENT.clone().with_engine(Engine::Reference);
+    let job = job("coffee-pull-v3", 12, 30);
+    let [fast, other] = [&*ENVIRONMENT, &reference].map(|environment| {
+        let mut worker = Worker::spawn(environment).expect("the simulator starts");
+        let engine = format!("engine={}", environment.engine());
+        assert!(worker.versions().contains(&engine), "{}", worker.versions());
+        worker.collect(&job).expect("an episode")
+    });
+    assert_eq!(fast, other);
+}
+
+#[test]
+fn plants_in_one_simulator_fly_what_each_flies_alone() {
+    let alone = |seed, value| {
+        let mut plant = MetaWorldPlant::new(&ENVIRONMENT, "push-v3").expect("a plant");
+        plant.reset(seed).expect("an episode");
+        let outcomes: Vec<_> = (0..5)
+            .map(|_| plant.apply(&[value; 4]).expect("a step"))
+            .collect();
+        (outcomes, plant.observe().expect("an observation"))
+    };
+    let mut plants = MetaWorldPlant::several(&ENVIRONMENT, "push-v3", 3).expect("plants");
+    let flown = [(5, 0.5), (6, -0.5), (7, 1.0)];
+    for (plant, (seed, _)) in plants.iter_mut().zip(flown) {
+        plant.reset(seed).expect("an episode");
+    }
+    let mut outcomes = [const { Vec::new() }; 3];
+    for step in 0..5 {
+        // Once nobody says a word, and once not all of them do.
+        for (place, (plant, (_, value))) in plants.iter_mut().zip(flown).enumerate() {
+            if step > 0 && step + place != 3 {
+                plant.announce(&[value; 4]).expect("it is heard");
+            }
+        }
+        for (place, (plant, (_, value))) in plants.iter_mut().zip(flown).enumerate() {
+            outcomes[place].push(plant.apply(&[value; 4]).expect("a step"));
+        }
+    }
+    for ((plant, outcomes), (seed, value)) in plants.iter_mut().zip(outcomes).zip(flown) {
+        let seen = plant.observe().expect("an observation");
+        assert_eq!((outcomes, seen), alone(seed, value));
+    }
+}
+
+#[test]
 fn an_episode_has_the_same_bits_on_a_fresh_worker_and_on_a_used_one() {
     let job = job("sweep-into-v3", 3, 60);
     let fresh = worker().collect(&job).expect("an episode");
@@ -54,7 +105,7 @@ fn an_episode_has_the_same_bits_on_a_fresh_worker_and_on_a_used_one() {
         .expect("another task");
     used.collect(&self::job("sweep-into-v3", 4, 30))
         .expect("another episode");
-    used.reset(9)
+    used.reset(0, 9)
         .expect("an episode that is not played to its end");
     assert_eq!(used.collect(&job).expect("the same episode"), fresh);
 }
@@ -82,7 +133,7 @@ fn the_recorded_actions_replayed_step_by_step_give_the_recorded_episode() {
     let episode = worker
         .collect(&job("drawer-open-v3", 11, 50))
         .expect("an episode");
-    let (first, goal) = worker.reset(11).expect("the same start");
+    let (first, goal) = worker.reset(0, 11).expect("the same start");
     assert_eq!(goal, episode.goal);
     let mut observations = first;
     for (step, action) in episode.actions.chunks(4).enumerate() {
@@ -170,7 +221,7 @@ fn a_measurement_inside_python_ends_with_its_parent() {
         .arg("-Es")
         .arg(bridge().join("speed.py"))
         // Minutes of steps: it does not come to its own end.
-        .args(["reach-v3", "1000000"])
+        .args(["reach-v3", "1000000", "fast"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()

@@ -32,7 +32,7 @@ fn on_the_host(numeric: Numeric) -> Flight {
     fly(
         &artifact,
         numeric,
-        || Ok(faulty_toy()),
+        || Ok(vec![faulty_toy()]),
         &episode_seeds(3, EPISODES),
         NonZeroUsize::MIN,
         || false,
@@ -59,7 +59,7 @@ fn on_devices<S: std::io::Read + std::io::Write>(
     };
     fly_with(
         make_pilot,
-        || Ok(faulty_toy()),
+        || Ok(vec![faulty_toy()]),
         &episode_seeds(3, EPISODES),
         NonZeroUsize::new(workers).unwrap(),
         || false,
@@ -147,7 +147,7 @@ fn a_device_without_a_policy_says_so_and_flies_nothing() {
     };
     let flown = fly_with(
         make_pilot,
-        || Ok(ToyPlant::new()),
+        || Ok(vec![ToyPlant::new()]),
         &[1],
         NonZeroUsize::MIN,
         || false,
@@ -197,7 +197,7 @@ fn a_device_that_goes_away_ends_the_flight_with_its_own_words() {
     };
     let flown = fly_with(
         make_pilot,
-        || Ok(ToyPlant::new()),
+        || Ok(vec![ToyPlant::new()]),
         &[1],
         NonZeroUsize::MIN,
         || false,

@@ -26,7 +26,7 @@ fn on_the_host(episodes: usize) -> Flight {
     fly(
         &artifact,
         Numeric::F32,
-        || Ok(plant()),
+        || Ok(vec![plant()]),
         &seeds,
         one,
         || false,
@@ -45,7 +45,15 @@ fn on_a_board(board: Board, link: Link, episodes: usize) -> (Flight, DeviceSumma
     };
     let seeds = episode_seeds(3, episodes);
     let one = NonZeroUsize::MIN;
-    let flight = fly_with(make_pilot, || Ok(plant()), &seeds, one, || false, |_| ()).unwrap();
+    let flight = fly_with(
+        make_pilot,
+        || Ok(vec![plant()]),
+        &seeds,
+        one,
+        || false,
+        |_| (),
+    )
+    .unwrap();
     let summary = flight.device.clone().expect("a device flew");
     (flight, summary)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::thread;
 
 use clap::Args;
-use firmware_sim::bridge::environment;
+use firmware_sim::bridge::{Engine, environment};
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -41,6 +41,9 @@ pub(super) struct CollectArgs {
     /// Root seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// How Meta-World is simulated; both engines play the same episodes, to the bit
+    #[arg(long, value_enum, default_value_t)]
+    engine: Engine,
     /// Simulator processes; all cores if not given. Changes nothing but the time
     #[arg(long)]
     workers: Option<NonZeroUsize>,
@@ -66,7 +69,9 @@ pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
         let report = match finished(&config).map_err(end)? {
             Some(report) => report,
             None => {
-                let environment = environment::ensure(args.output.audience()).map_err(end)?;
+                let environment = environment::ensure(args.output.audience())
+                    .map_err(end)?
+                    .with_engine(args.engine);
                 collect(&config, &environment, args.output.audience()).map_err(end)?
             }
         };

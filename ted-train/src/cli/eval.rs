@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::bridge::Engine;
 use firmware_sim::controller::Numeric;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
@@ -11,7 +12,7 @@ use firmware_sim::output::OutputArgs;
 use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::config::Config;
-use crate::evaluate::{EpisodeFault, EvaluateError, Evaluation, evaluate};
+use crate::evaluate::{EpisodeFault, EvaluateError, Evaluation, FlightPlan, evaluate};
 use crate::replay::{Replayed, replay};
 use crate::run::{EVALUATION, RunFolder};
 
@@ -47,12 +48,15 @@ pub(super) struct EvalArgs {
     /// In which numbers the policy computes
     #[arg(long, value_enum, default_value_t)]
     numeric: Numeric,
+    /// How Meta-World is simulated; both engines fly the same episodes, to the bit
+    #[arg(long, value_enum, default_value_t)]
+    engine: Engine,
     /// Simulator processes; all cores if not given. Changes nothing but the time
     #[arg(long)]
     workers: Option<NonZeroUsize>,
     /// Show the recorded observations of the run's dataset to the controller instead of flying: how far its actions are from
     /// the recorded ones, whether it would have stopped, and how many episodes it puts in the top k %. Needs no simulator
-    #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers"])]
+    #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers", "engine"])]
     replay: bool,
     /// The dataset to replay, if it is no longer where the run found it
     #[arg(long, requires = "replay")]
@@ -86,9 +90,12 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         &artefact_of(folder)?,
         args.numeric,
         args.task.as_deref(),
-        args.episodes,
-        args.seed.unwrap_or(config.seed),
-        workers(args.workers),
+        &FlightPlan {
+            episodes: args.episodes,
+            seed: args.seed.unwrap_or(config.seed),
+            workers: workers(args.workers),
+            engine: args.engine,
+        },
         args.output.audience(),
     )
     .map_err(end)?;
@@ -153,7 +160,7 @@ pub(super) fn text(report: &Evaluation) -> String {
     let score =
         |score: Option<f64>| score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
     format!(
-        "{task}: {episodes} episodes, seed {seed}{numeric}\n\
+        "{task}: {episodes} episodes, seed {seed}{numeric}, {engine} engine\n\
          return            {mean:.1} +- {sd:.1}\n\
          normalised score  {normalised}\n\
          success           {success:.3}\n\
@@ -166,6 +173,7 @@ pub(super) fn text(report: &Evaluation) -> String {
         },
         episodes = report.returns.len(),
         seed = report.seed,
+        engine = report.engine,
         mean = report.return_mean,
         sd = report.return_sd,
         normalised = score(report.score),

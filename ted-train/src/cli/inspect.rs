@@ -235,14 +235,15 @@ fn run_text(run: &RunText) -> String {
     }
     lines.push(match &run.evaluation {
         Some(flown) => format!(
-            "evaluation     {} episodes: return {:.1} +- {:.1}, score {}, success {:.3}",
+            "evaluation     {} episodes: return {:.1} +- {:.1}, score {}, success {:.3}, {} engine",
             flown.returns.len(),
             flown.return_mean,
             flown.return_sd,
             flown
                 .score
                 .map_or_else(|| "-".to_owned(), |score| format!("{score:.3}")),
-            flown.success
+            flown.success,
+            flown.engine
         ),
         None => "evaluation     none yet: `ted eval` flies the policy".to_owned(),
     });

@@ -1,8 +1,9 @@
 //! The run's evaluation, flown again: the returns must have the same bits.
 
+use firmware_sim::bridge::Engine;
 use firmware_sim::progress::Audience;
 
-use crate::evaluate::{Evaluation, evaluate};
+use crate::evaluate::{Evaluation, FlightPlan, evaluate};
 use crate::run::{EVALUATION, RunFolder};
 
 use super::CrosscheckError;
@@ -36,9 +37,12 @@ pub(super) fn fly_again(
         &folder.artefact_path(),
         held.numeric,
         Some(&held.task),
-        episodes,
-        held.seed,
-        workers,
+        &FlightPlan {
+            episodes,
+            seed: held.seed,
+            workers,
+            engine: Engine::default(),
+        },
         audience,
     )?;
     if flown.never_flew() {

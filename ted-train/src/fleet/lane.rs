@@ -3,13 +3,14 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+use firmware_sim::bridge::Engine;
 use firmware_sim::tasks;
 use serde::Serialize;
 
 use super::LaneError;
 use crate::config::Config;
 use crate::dataset::Dataset;
-use crate::evaluate::{Evaluation, evaluate_once};
+use crate::evaluate::{Evaluation, FlightPlan, evaluate_once};
 use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
 use crate::train::{Watch, check, train};
@@ -80,8 +81,13 @@ impl Lane {
         }
         let evaluation = match episodes > 0 && simulated {
             true => {
-                let (seed, workers) = (self.config.seed, simulators.get());
-                Some(evaluate_once(&folder, episodes, seed, workers, audience)?)
+                let plan = FlightPlan {
+                    episodes,
+                    seed: self.config.seed,
+                    workers: simulators.get(),
+                    engine: Engine::default(),
+                };
+                Some(evaluate_once(&folder, &plan, audience)?)
             }
             false => None,
         };

@@ -14,7 +14,7 @@ use crate::collect::{self, CollectConfig, CollectError, PartReport, Recipe};
 use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
-use crate::evaluate::{EvaluateError, Evaluation, evaluate_once};
+use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, evaluate_once};
 use crate::preferences::{PreferenceError, ScriptedTeacher};
 use crate::run::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
 use crate::train::{TrainError, train};
@@ -185,8 +185,13 @@ pub fn quickstart(
     audience.note(&format!("{}", folder.artefact_path().display()));
 
     stage(5, "fly it");
-    let (seed, workers) = (config.seed, config.workers);
-    let trained = evaluate_once(&folder, FLOWN_EPISODES, seed, workers, audience)?;
+    let plan = FlightPlan {
+        episodes: FLOWN_EPISODES,
+        seed: config.seed,
+        workers: config.workers,
+        engine: environment.engine(),
+    };
+    let trained = evaluate_once(&folder, &plan, audience)?;
 
     stage(6, "is what flew what was trained?");
     let check = CrosscheckConfig {

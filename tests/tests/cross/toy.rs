@@ -99,7 +99,7 @@ fn a_policy_learned_from_a_bad_pilot_flies_better_than_it_and_replays_without_a_
     let flight = fly(
         &artifact,
         Numeric::F32,
-        || Ok(Recorder::new(ToyPlant::new(), shelf.clone())),
+        || Ok(vec![Recorder::new(ToyPlant::new(), shelf.clone())]),
         &seeds,
         NonZeroUsize::MIN,
         || false,

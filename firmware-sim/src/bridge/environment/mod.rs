@@ -18,6 +18,7 @@ pub use checks::{Check, diagnose};
 pub use error::SetupError;
 pub use python::{Interpreter, find as interpreter};
 
+use super::engine::Engine;
 use crate::progress::Audience;
 use stamp::Stamp;
 
@@ -34,6 +35,7 @@ pub struct Environment {
     scratch: PathBuf,
     /// Whether this program installed it, in the folder `scratch`.
     ours: bool,
+    engine: Engine,
 }
 
 impl Environment {
@@ -45,7 +47,20 @@ impl Environment {
             worker: worker.to_owned(),
             scratch: scratch.to_owned(),
             ours: false,
+            engine: Engine::default(),
         }
+    }
+
+    /// The same environment with another engine.
+    #[must_use]
+    pub fn with_engine(self, engine: Engine) -> Self {
+        Self { engine, ..self }
+    }
+
+    /// How its workers simulate.
+    #[must_use]
+    pub const fn engine(&self) -> Engine {
+        self.engine
     }
 
     /// The interpreter that runs the workers.

@@ -24,13 +24,16 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 12] = carried!(
+const FILES: [(&str, &str); 15] = carried!(
     "collect.py",
+    "fast.py",
     "install.py",
     "messages.py",
     "parent.py",
     "quick.py",
+    "rebound.py",
     "requirements.lock",
+    "scalars.py",
     "session.py",
     "snapshot.py",
     "speed.py",
@@ -131,7 +134,7 @@ mod tests {
         let venv = tempfile::tempdir()?;
         let first = write(venv.path())?;
         assert_eq!(write(venv.path())?, first);
-        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[11].1);
+        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[14].1);
         assert_eq!(fs::read_dir(venv.path())?.count(), 1);
         Ok(())
     }

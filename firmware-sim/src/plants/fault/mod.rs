@@ -125,6 +125,10 @@ impl<P: Plant> Plant for FaultInjector<P> {
         Ok(observed)
     }
 
+    fn announce(&mut self, action_env: &[f32]) -> Result<(), PlantError> {
+        self.plant.announce(action_env)
+    }
+
     fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
         let outcome = self.plant.apply(action_env)?;
         self.previous = self.present.take();
