@@ -63,7 +63,7 @@ impl Crew<'_> {
             .map_err(|error| Failure::new(error.exit_code(), error))?;
         let environment = environment.with_engine(self.args.engine);
         // A device flies one plant at a time.
-        let plants = match self.fleet {
+        let plants = match self.boards {
             None => abreast(self.args.episodes as usize, self.workers()),
             Some(_) => 1,
         };
