@@ -52,9 +52,11 @@ pub const ACTIONS_NDARRAY: Tolerance = absolute("actions, burn ndarray - ted-cor
 pub const ACTIONS_BURN: Tolerance = absolute("actions, burn flex - burn ndarray", 2e-5);
 /// Entries of a product of two 64 by 64 matrices in [-1, 1], against double precision.
 pub const MATMUL: Tolerance = absolute("matrix product, burn - double precision", 1e-5);
+/// Outputs, gradients and updated parameters of networks on the fast engine: length of the difference to length.
+pub const NETWORK_FUSED: Tolerance = absolute("networks, fused - burn flex", 1e-6);
 
 /// The whole table.
-pub const TABLE: [Tolerance; 13] = [
+pub const TABLE: [Tolerance; 14] = [
     GOLDEN,
     INTEGER_GOLDEN,
     WEIGHTS,
@@ -68,6 +70,7 @@ pub const TABLE: [Tolerance; 13] = [
     ACTIONS_NDARRAY,
     ACTIONS_BURN,
     MATMUL,
+    NETWORK_FUSED,
 ];
 
 impl Allowed {

@@ -51,7 +51,7 @@ impl Preset {
         Config {
             preset: self,
             seed: 0,
-            backend: Backend::Flex,
+            backend: Backend::Fused,
             unit_rewards: true,
             reward,
             discount,

@@ -51,7 +51,7 @@ impl Iql {
                 .iter()
                 .flat_map(|s| names.iter().map(|n| s.child(n).rng()))
                 .collect();
-            Mlp::new(&shape, Initialiser::Orthogonal, &mut rngs, &device)
+            Mlp::new(&shape, Initialiser::Orthogonal, &mut rngs, backend)
         };
         let value = network(shape(observation, 1, Activation::Linear), &["value"]);
         let actor = network(shape(observation, action, ACTOR_OUTPUT), &["actor"]);

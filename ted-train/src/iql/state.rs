@@ -51,14 +51,13 @@ impl Iql {
         mut visit: impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut network = |name: &str, network: &mut Mlp| {
-            network
-                .layers
-                .iter_mut()
-                .enumerate()
-                .try_for_each(|(i, layer)| {
-                    visit(format!("{name}/{i}/weight"), &mut layer.weight)?;
-                    visit(format!("{name}/{i}/bias"), &mut layer.bias)
-                })
+            let mut layers = network.parameters.layers();
+            for (i, layer) in layers.iter_mut().enumerate() {
+                visit(format!("{name}/{i}/weight"), &mut layer.weight)?;
+                visit(format!("{name}/{i}/bias"), &mut layer.bias)?;
+            }
+            network.parameters.set_layers(layers);
+            Ok(())
         };
         network("value", &mut self.value)?;
         network("actor", &mut self.actor)?;
@@ -74,16 +73,16 @@ impl Iql {
             &mut self.log_std_adam.second,
         )?;
         let mut moments = |name: &str, state: &mut AdamState| {
-            state
-                .layers
-                .iter_mut()
-                .enumerate()
-                .try_for_each(|(i, (weight, bias))| {
-                    visit(format!("adam/{name}/{i}/weight/first"), &mut weight.first)?;
-                    visit(format!("adam/{name}/{i}/weight/second"), &mut weight.second)?;
-                    visit(format!("adam/{name}/{i}/bias/first"), &mut bias.first)?;
-                    visit(format!("adam/{name}/{i}/bias/second"), &mut bias.second)
-                })
+            let (mut firsts, mut seconds) = (state.first.layers(), state.second.layers());
+            for (i, (first, second)) in firsts.iter_mut().zip(&mut seconds).enumerate() {
+                visit(format!("adam/{name}/{i}/weight/first"), &mut first.weight)?;
+                visit(format!("adam/{name}/{i}/weight/second"), &mut second.weight)?;
+                visit(format!("adam/{name}/{i}/bias/first"), &mut first.bias)?;
+                visit(format!("adam/{name}/{i}/bias/second"), &mut second.bias)?;
+            }
+            state.first.set_layers(firsts);
+            state.second.set_layers(seconds);
+            Ok(())
         };
         moments("value", &mut self.value_adam)?;
         moments("actor", &mut self.actor_adam)?;

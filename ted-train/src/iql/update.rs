@@ -37,7 +37,15 @@ pub struct UpdateMetrics {
 
 impl Iql {
     /// One update on a batch. The metrics are lazy: `Losses::read` fetches them when somebody wants to log.
+    ///
+    /// It runs on the threads of the pool it is called from, or else of the global one; in a pool of one thread it wakes
+    /// nobody.
     pub fn update(&mut self, batch: &Batch) -> Losses {
+        // On a worker from the start: otherwise every parallel part would hand over to the workers and back.
+        rayon::scope(|_| self.update_here(batch))
+    }
+
+    fn update_here(&mut self, batch: &Batch) -> Losses {
         let lanes = self.log_std.dims()[0];
         let rows = batch.rewards.len() / lanes;
         let tensor = |data: &[f32]| -> Tensor<3> {

@@ -3,8 +3,9 @@
 use burn::tensor::Tensor;
 use serde::{Deserialize, Serialize};
 
+use super::Mlp;
 use super::host::in_place;
-use super::{Linear, Mlp};
+use super::parameters::{Gradients, Parameters};
 
 /// Constants of the optimiser; the step size is an argument of each step because it may follow a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,15 +48,40 @@ impl<const D: usize> Moments<D> {
 /// Moments of every parameter of a perceptron.
 #[derive(Clone, Debug)]
 pub struct AdamState {
-    pub(crate) layers: Vec<(Moments<3>, Moments<3>)>,
+    pub(crate) first: Parameters,
+    pub(crate) second: Parameters,
 }
 
 impl AdamState {
     pub(crate) fn new(network: &Mlp) -> Self {
-        let moments = |l: &Linear| (Moments::zeros_like(&l.weight), Moments::zeros_like(&l.bias));
         Self {
-            layers: network.layers.iter().map(moments).collect(),
+            first: network.parameters.zeros_like(),
+            second: network.parameters.zeros_like(),
         }
+    }
+}
+
+/// The constants of one step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AdamStep {
+    /// Shares of the old moments.
+    beta: [f32; 2],
+    /// Shares of the gradient in the new ones.
+    fresh: [f32; 2],
+    /// Step size, corrected for the first moment's start at zero.
+    rate: f32,
+    /// Correction of the second moment.
+    unbias: f32,
+    epsilon: f32,
+}
+
+impl AdamStep {
+    /// Moves one number and its moments.
+    #[inline(always)]
+    pub(super) fn apply(&self, p: &mut f32, m: &mut f32, v: &mut f32, g: f32) {
+        *m = self.beta[0] * *m + self.fresh[0] * g;
+        *v = self.beta[1] * *v + self.fresh[1] * g * g;
+        *p -= self.rate * *m / ((*v * self.unbias).sqrt() + self.epsilon);
     }
 }
 
@@ -65,28 +91,16 @@ impl Adam {
         &self,
         network: &mut Mlp,
         state: &mut AdamState,
-        gradients: Vec<Linear>,
+        gradients: Gradients,
         rate: f64,
         step: u64,
     ) {
-        for ((layer, moments), gradient) in network
-            .layers
-            .iter_mut()
-            .zip(&mut state.layers)
-            .zip(gradients)
-        {
-            self.tensor(
-                &mut layer.weight,
-                &mut moments.0,
-                gradient.weight,
-                rate,
-                step,
-            );
-            self.tensor(&mut layer.bias, &mut moments.1, gradient.bias, rate, step);
-        }
+        let (first, second) = (&mut state.first, &mut state.second);
+        let step = self.constants(rate, step);
+        network.parameters.adam(first, second, gradients, step);
     }
 
-    /// One step on one parameter.
+    /// One step on one tensor.
     pub(crate) fn tensor<const D: usize>(
         &self,
         parameter: &mut Tensor<D>,
@@ -95,25 +109,39 @@ impl Adam {
         rate: f64,
         step: u64,
     ) {
-        let step = i32::try_from(step).unwrap_or(i32::MAX);
-        let correct1 = 1.0 - self.beta1.powi(step);
-        let correct2 = 1.0 - self.beta2.powi(step);
-        let (beta1, beta2) = (self.beta1 as f32, self.beta2 as f32);
-        let (fresh1, fresh2) = ((1.0 - self.beta1) as f32, (1.0 - self.beta2) as f32);
-        let (rate, unbias2) = ((rate / correct1) as f32, (1.0 / correct2) as f32);
-        let epsilon = self.epsilon as f32;
-        let gradient = gradient.into_data();
-        let gradient = gradient.as_slice::<f32>().expect("gradients are f32");
-        in_place(
+        let step = self.constants(rate, step);
+        apply(
+            step,
             [parameter, &mut moments.first, &mut moments.second],
-            |[parameters, firsts, seconds]| {
-                let moments = firsts.iter_mut().zip(seconds);
-                for ((p, (m, v)), g) in parameters.iter_mut().zip(moments).zip(gradient) {
-                    *m = beta1 * *m + fresh1 * g;
-                    *v = beta2 * *v + fresh2 * g * g;
-                    *p -= rate * *m / ((*v * unbias2).sqrt() + epsilon);
-                }
-            },
+            gradient,
         );
     }
+
+    fn constants(&self, rate: f64, step: u64) -> AdamStep {
+        let step = i32::try_from(step).unwrap_or(i32::MAX);
+        let correct = [self.beta1, self.beta2].map(|beta| 1.0 - beta.powi(step));
+        AdamStep {
+            beta: [self.beta1, self.beta2].map(|beta| beta as f32),
+            fresh: [self.beta1, self.beta2].map(|beta| (1.0 - beta) as f32),
+            rate: (rate / correct[0]) as f32,
+            unbias: (1.0 / correct[1]) as f32,
+            epsilon: self.epsilon as f32,
+        }
+    }
+}
+
+/// One step on a parameter and its two moments.
+pub(super) fn apply<const D: usize>(
+    step: AdamStep,
+    parameter_and_moments: [&mut Tensor<D>; 3],
+    gradient: Tensor<D>,
+) {
+    let gradient = gradient.into_data();
+    let gradient = gradient.as_slice::<f32>().expect("gradients are f32");
+    in_place(parameter_and_moments, |[parameters, firsts, seconds]| {
+        let moments = firsts.iter_mut().zip(seconds);
+        for ((p, (m, v)), g) in parameters.iter_mut().zip(moments).zip(gradient) {
+            step.apply(p, m, v, *g);
+        }
+    });
 }

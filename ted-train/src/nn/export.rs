@@ -28,7 +28,8 @@ impl ExportedMlp {
     /// Every member of a perceptron, in order.
     #[must_use]
     pub fn members(network: &Mlp) -> Vec<Self> {
-        let count = network.layers.first().map_or(0, |l| l.weight.dims()[0]);
+        let layers = network.parameters.layers();
+        let count = layers.first().map_or(0, |l| l.weight.dims()[0]);
         let mut members = vec![
             Self {
                 layers: Vec::new(),
@@ -36,10 +37,10 @@ impl ExportedMlp {
             };
             count
         ];
-        for layer in &network.layers {
+        for layer in layers {
             // The controller reads the weights of one output after the other.
-            let weight = values(layer.weight.clone().swap_dims(1, 2));
-            let bias = values(layer.bias.clone());
+            let weight = values(layer.weight.swap_dims(1, 2));
+            let bias = values(layer.bias);
             let (per_weight, per_bias) = (weight.len() / count, bias.len() / count);
             let parts = weight
                 .chunks_exact(per_weight)

@@ -1,4 +1,4 @@
-//! What tests of tensor code share: both backends, tensors from plain numbers and back, comparisons that say where.
+//! What tests of tensor code share: all backends, tensors from plain numbers and back, comparisons that say where.
 
 use burn::tensor::{Tensor, TensorData};
 use rand::RngExt;
@@ -6,8 +6,8 @@ use rand::RngExt;
 use super::Backend;
 use crate::rng::Seed;
 
-/// Every test of tensor code runs on both.
-pub(crate) const BACKENDS: [Backend; 2] = [Backend::Flex, Backend::Ndarray];
+/// Every test of tensor code runs on all.
+pub(crate) const BACKENDS: [Backend; 3] = [Backend::Fused, Backend::Flex, Backend::Ndarray];
 
 /// A tensor of these numbers, in row-major order.
 pub(crate) fn tensor(values: &[f32], shape: [usize; 3], backend: Backend) -> Tensor<3> {

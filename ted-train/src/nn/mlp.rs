@@ -1,10 +1,11 @@
-//! The perceptron itself: forward, forward with a tape, and the gradients of its parameters.
+//! The perceptron itself: forward, forward with a tape, and the gradients of its parameters, on either engine.
 
-use burn::tensor::{Device, Tensor, TensorData};
+use burn::tensor::{Tensor, TensorData};
 use rand::Rng;
 
-use super::Initialiser;
-use super::host::{self, in_place};
+use super::parameters::{Gradients, Parameters};
+use super::plain::{self, Plain};
+use super::{Backend, Initialiser, fused};
 
 /// The function applied to the output of the last layer. Hidden layers are always ReLU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -49,14 +50,16 @@ pub struct Linear {
 /// A perceptron with a leading member axis.
 #[derive(Clone, Debug)]
 pub struct Mlp {
-    pub(crate) layers: Vec<Linear>,
+    pub(crate) parameters: Parameters,
     output: Activation,
 }
 
-/// What the backward pass needs of a forward pass: the input of each layer and the network's output.
-pub struct Tape {
-    inputs: Vec<Tensor<3>>,
-    output: Tensor<3>,
+/// What the backward pass needs of a forward pass.
+pub(crate) enum Tape {
+    /// Of tensors.
+    Plain(plain::Tape),
+    /// Of buffers.
+    Fused(fused::Tape),
 }
 
 impl Mlp {
@@ -65,8 +68,9 @@ impl Mlp {
         shape: &MlpShape,
         init: Initialiser,
         members: &mut [R],
-        device: &Device,
+        backend: Backend,
     ) -> Self {
+        let device = backend.device();
         let layers = shape
             .layers()
             .map(|(inputs, outputs)| {
@@ -76,28 +80,24 @@ impl Mlp {
                     weights.extend(weight);
                     biases.extend(bias);
                 }
+                let weights = TensorData::new(weights, [members.len(), inputs, outputs]);
+                let biases = TensorData::new(biases, [members.len(), 1, outputs]);
                 Linear {
-                    weight: Tensor::from_data(
-                        TensorData::new(weights, [members.len(), inputs, outputs]),
-                        device,
-                    ),
-                    bias: Tensor::from_data(
-                        TensorData::new(biases, [members.len(), 1, outputs]),
-                        device,
-                    ),
+                    weight: Tensor::from_data(weights, &device),
+                    bias: Tensor::from_data(biases, &device),
                 }
             })
             .collect();
-        Self {
-            layers,
-            output: shape.output,
-        }
+        Self::from_layers(layers, shape.output, backend)
     }
 
     /// A perceptron of given layers.
-    #[cfg(test)]
-    pub(crate) fn from_layers(layers: Vec<Linear>, output: Activation) -> Self {
-        Self { layers, output }
+    pub(crate) fn from_layers(layers: Vec<Linear>, output: Activation, backend: Backend) -> Self {
+        let parameters = match backend {
+            Backend::Fused => Parameters::Fused(fused::Buffer::from_layers(&layers)),
+            Backend::Flex | Backend::Ndarray => Parameters::Plain(Plain { layers }),
+        };
+        Self { parameters, output }
     }
 
     /// Activation of the last layer.
@@ -108,69 +108,41 @@ impl Mlp {
 
     /// `[member, batch, in] -> [member, batch, out]`; an input with one member is shared by all.
     pub(crate) fn forward(&self, x: Tensor<3>) -> Tensor<3> {
-        self.run(x, |_| ())
+        match &self.parameters {
+            Parameters::Plain(plain) => plain.run(x, self.output, |_| ()),
+            Parameters::Fused(fused) => fused.forward(x, self.output),
+        }
     }
 
     /// The same, keeping what [`Self::gradients`] needs.
     pub(crate) fn forward_tape(&self, x: Tensor<3>) -> (Tensor<3>, Tape) {
-        let mut inputs = Vec::with_capacity(self.layers.len());
-        let output = self.run(x, |h| inputs.push(h.clone()));
-        (output.clone(), Tape { inputs, output })
-    }
-
-    fn run(&self, x: Tensor<3>, mut seen: impl FnMut(&Tensor<3>)) -> Tensor<3> {
-        let last = self.layers.len() - 1;
-        let mut h = x;
-        for (i, layer) in self.layers.iter().enumerate() {
-            seen(&h);
-            let mut z = h.matmul(layer.weight.clone());
-            host::add_bias(&mut z, &layer.bias, i != last);
-            h = match (i == last, self.output) {
-                (false, _) | (true, Activation::Linear) => z,
-                (true, Activation::Tanh) => z.tanh(),
-            };
+        match &self.parameters {
+            Parameters::Plain(plain) => {
+                let (y, tape) = plain.forward_tape(x, self.output);
+                (y, Tape::Plain(tape))
+            }
+            Parameters::Fused(fused) => {
+                let (y, tape) = fused.forward_tape(x, self.output);
+                (y, Tape::Fused(tape))
+            }
         }
-        h
     }
 
     /// Gradients of a scalar loss in the parameters, from its gradient `[member, batch, out]` in the output.
-    pub(crate) fn gradients(&self, tape: Tape, d_output: Tensor<3>) -> Vec<Linear> {
-        let mut delta = match self.output {
-            Activation::Linear => d_output,
-            Activation::Tanh => {
-                d_output * (tape.output.clone() * tape.output).neg().add_scalar(1.0)
+    pub(crate) fn gradients(&self, tape: Tape, d_output: Tensor<3>) -> Gradients {
+        match (&self.parameters, tape) {
+            (Parameters::Plain(plain), Tape::Plain(tape)) => {
+                Gradients::Plain(plain.gradients(tape, self.output, d_output))
             }
-        };
-        let mut gradients = Vec::with_capacity(self.layers.len());
-        for (i, (layer, input)) in self.layers.iter().zip(tape.inputs).enumerate().rev() {
-            let bias = delta.clone().sum_dim(1);
-            let weight = input.clone().swap_dims(1, 2).matmul(delta.clone());
-            if i > 0 {
-                // ReLU passes the gradient where its output is positive.
-                delta = delta.matmul(layer.weight.clone().swap_dims(1, 2));
-                host::mask_inactive(&mut delta, input);
+            (Parameters::Fused(fused), Tape::Fused(tape)) => {
+                Gradients::Fused(fused.gradients(&tape, d_output))
             }
-            gradients.push(Linear { weight, bias });
+            _ => unreachable!("a tape is of the network that made it"),
         }
-        gradients.reverse();
-        gradients
     }
 
     /// Moves towards `source`: `self <- rate * source + (1 - rate) * self` (Polyak averaging of target networks).
     pub(crate) fn polyak(&mut self, source: &Self, rate: f64) {
-        let rate = rate as f32;
-        let mix = |old: &mut Tensor<3>, new: &Tensor<3>| {
-            let new = new.clone().into_data();
-            let new = new.as_slice::<f32>().expect("parameters are f32");
-            in_place([old], |[old]| {
-                for (old, new) in old.iter_mut().zip(new) {
-                    *old = (1.0 - rate) * *old + rate * new;
-                }
-            });
-        };
-        for (old, new) in self.layers.iter_mut().zip(&source.layers) {
-            mix(&mut old.weight, &new.weight);
-            mix(&mut old.bias, &new.bias);
-        }
+        self.parameters.polyak(&source.parameters, rate as f32);
     }
 }

@@ -14,12 +14,13 @@ pub(crate) struct ScalarMlp {
 impl ScalarMlp {
     /// Member `member` of a perceptron.
     pub(crate) fn member(network: &Mlp, member: usize) -> Self {
-        let mut widths = vec![network.layers[0].weight.dims()[1]];
-        widths.extend(network.layers.iter().map(|l| l.weight.dims()[2]));
+        let layers = network.parameters.layers();
+        let mut widths = vec![layers[0].weight.dims()[1]];
+        widths.extend(layers.iter().map(|l| l.weight.dims()[2]));
         Self {
             widths,
             output: network.output(),
-            parameters: wide(&flat(&network.layers, member)),
+            parameters: wide(&flat(&layers, member)),
         }
     }
 

@@ -1,4 +1,4 @@
-//! The perceptron, its gradients and its optimiser against numbers made without them, on both backends.
+//! The perceptron, its gradients and its optimiser against numbers made without them, on all backends.
 
 use rand::rngs::ChaCha8Rng;
 
@@ -20,7 +20,7 @@ fn seeds(members: usize) -> Vec<ChaCha8Rng> {
 /// Biases included, because [`Initialiser::UniformFanIn`] draws them too.
 fn network(rngs: &mut [ChaCha8Rng], output: Activation, backend: Backend) -> Mlp {
     let shape = MlpShape::new(INPUTS, &[5, 6], OUTPUTS, output);
-    Mlp::new(&shape, Initialiser::UniformFanIn, rngs, &backend.device())
+    Mlp::new(&shape, Initialiser::UniformFanIn, rngs, backend)
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn outputs_and_gradients_are_those_of_scalar_arithmetic_and_finite_differences()
                         let y = forward(&scalar.with(p));
                         y.iter().zip(&d).map(|(y, d)| y * d).sum()
                     });
-                    let actual = flat(&gradients, member);
+                    let actual = flat(&gradients.layers(), member);
                     assert_close(&actual, &expected, 2e-6, &format!("{what}: gradient"));
                 }
             }
@@ -92,8 +92,8 @@ fn a_member_of_a_stack_learns_to_the_bit_what_it_learns_alone() {
         for member in 0..MEMBERS {
             let alone = trained(member..member + 1);
             assert_eq!(
-                bits(&flat(&stacked.layers, member)),
-                bits(&flat(&alone.layers, 0)),
+                bits(&flat(&stacked.parameters.layers(), member)),
+                bits(&flat(&alone.parameters.layers(), 0)),
                 "{backend:?}, member {member}"
             );
         }
@@ -149,11 +149,11 @@ fn polyak_goes_the_given_share_of_the_way() {
                 weight: tensor(&weight, [1, 2, 1], backend),
                 bias: tensor(&[bias], [1, 1, 1], backend),
             };
-            Mlp::from_layers(vec![layer], Activation::Linear)
+            Mlp::from_layers(vec![layer], Activation::Linear, backend)
         };
         let mut target = of([1.0, -2.0], 0.0);
         target.polyak(&of([3.0, 2.0], 8.0), 0.25);
-        assert_eq!(flat(&target.layers, 0), [1.5, -1.0, 2.0]);
+        assert_eq!(flat(&target.parameters.layers(), 0), [1.5, -1.0, 2.0]);
     }
 }
 

@@ -40,7 +40,7 @@ fn another_seed_gives_other_questions_and_other_weights() {
 #[test]
 fn ted_with_sigma_one_is_plain_iql_to_the_bit() {
     let desk = Desk::with_dataset();
-    for backend in ["flex", "ndarray"] {
+    for backend in ["fused", "flex", "ndarray"] {
         let set = format!("backend={backend}");
         let run = |name: &str, preset: &str, sets: &[&str]| {
             let out = format!("{backend}-{name}");

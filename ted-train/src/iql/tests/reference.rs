@@ -220,19 +220,19 @@ fn updates_are_those_of_the_scalar_reference_in_every_parameter() {
             };
             close(
                 "value",
-                &flat(&iql.value.layers, 0),
+                &flat(&iql.value.parameters.layers(), 0),
                 &reference.value.parameters,
             );
             close(
                 "actor",
-                &flat(&iql.actor.layers, 0),
+                &flat(&iql.actor.parameters.layers(), 0),
                 &reference.actor.parameters,
             );
             close("log std", &values(iql.log_std.clone()), &reference.log_std);
             for head in 0..HEADS {
-                let critic = flat(&iql.critic.layers, head);
+                let critic = flat(&iql.critic.parameters.layers(), head);
                 close("critic", &critic, &reference.critics[head].parameters);
-                let target = flat(&iql.target.layers, head);
+                let target = flat(&iql.target.parameters.layers(), head);
                 close("target", &target, &reference.targets[head].parameters);
             }
         }

@@ -52,7 +52,7 @@ impl Ensemble {
         let mut rngs: Vec<_> = (0..config.members)
             .map(|m| seed.child(&format!("member/{m}")).rng())
             .collect();
-        let network = Mlp::new(&shape, config.initialiser, &mut rngs, &backend.device());
+        let network = Mlp::new(&shape, config.initialiser, &mut rngs, backend);
         Self {
             network,
             inputs,

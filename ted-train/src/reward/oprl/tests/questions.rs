@@ -35,7 +35,7 @@ fn linear(dataset: &Dataset, likes: &[[f32; 3]]) -> Ensemble {
         weight: tensor(&weights, [likes.len(), inputs, 1], Backend::Flex),
         bias: tensor(&vec![0.0; likes.len()], [likes.len(), 1, 1], Backend::Flex),
     };
-    ensemble.network = Mlp::from_layers(vec![layer], Activation::Linear);
+    ensemble.network = Mlp::from_layers(vec![layer], Activation::Linear, Backend::Flex);
     ensemble
 }
 

@@ -1,0 +1,95 @@
+//! Parameters of a perceptron, or anything of their shape, in the hands of one of the two engines.
+
+use super::adam::AdamStep;
+use super::plain::Plain;
+use super::{Linear, fused};
+
+/// The numbers, as the engine that computes with them holds them.
+#[derive(Clone, Debug)]
+pub(crate) enum Parameters {
+    /// A tensor for each weight and each bias.
+    Plain(Plain),
+    /// One buffer.
+    Fused(fused::Buffer),
+}
+
+/// Gradients of all parameters.
+pub(crate) enum Gradients {
+    /// A tensor for each weight and each bias.
+    Plain(Plain),
+    /// One buffer.
+    Fused(fused::Gradients),
+}
+
+const ONE_ENGINE: &str = "what belongs to a network is on its engine";
+
+impl Parameters {
+    /// Weights and biases of each layer, whatever the engine: what is saved, exported and compared.
+    pub(crate) fn layers(&self) -> Vec<Linear> {
+        match self {
+            Self::Plain(plain) => plain.layers.clone(),
+            Self::Fused(fused) => fused.layers(),
+        }
+    }
+
+    /// Puts others of the same shapes in their place.
+    pub(crate) fn set_layers(&mut self, layers: Vec<Linear>) {
+        match self {
+            Self::Plain(plain) => plain.layers = layers,
+            Self::Fused(fused) => *fused = fused::Buffer::from_layers(&layers),
+        }
+    }
+
+    /// Zeros of the same shapes.
+    pub(super) fn zeros_like(&self) -> Self {
+        match self {
+            Self::Plain(plain) => Self::Plain(plain.zeros_like()),
+            Self::Fused(fused) => Self::Fused(fused.zeros_like()),
+        }
+    }
+
+    /// One step of Adam with the moments `first` and `second`.
+    pub(super) fn adam(
+        &mut self,
+        first: &mut Self,
+        second: &mut Self,
+        gradients: Gradients,
+        step: AdamStep,
+    ) {
+        match (self, first, second, gradients) {
+            (
+                Self::Plain(own),
+                Self::Plain(first),
+                Self::Plain(second),
+                Gradients::Plain(gradients),
+            ) => own.adam(first, second, gradients, step),
+            (
+                Self::Fused(own),
+                Self::Fused(first),
+                Self::Fused(second),
+                Gradients::Fused(gradients),
+            ) => own.adam(first, second, &gradients, step),
+            _ => unreachable!("{ONE_ENGINE}"),
+        }
+    }
+
+    /// `self <- (1 - rate) self + rate source`.
+    pub(super) fn polyak(&mut self, source: &Self, rate: f32) {
+        match (self, source) {
+            (Self::Plain(own), Self::Plain(source)) => own.polyak(source, rate),
+            (Self::Fused(own), Self::Fused(source)) => own.polyak(source, rate),
+            _ => unreachable!("{ONE_ENGINE}"),
+        }
+    }
+}
+
+#[cfg(test)]
+impl Gradients {
+    /// Weights and biases of each layer.
+    pub(crate) fn layers(&self) -> Vec<Linear> {
+        match self {
+            Self::Plain(plain) => plain.layers.clone(),
+            Self::Fused(fused) => fused.layers(),
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The plain engine: a perceptron as tensor operations. It runs on every burn device and is what the fast engine is tested
+//! against.
+
+use burn::tensor::Tensor;
+
+use super::adam::{self, AdamStep};
+use super::host::{self, in_place};
+use super::{Activation, Linear};
+
+/// Parameters of a perceptron, or anything of their shape: a tensor for each weight and each bias.
+#[derive(Clone, Debug)]
+pub(crate) struct Plain {
+    pub(super) layers: Vec<Linear>,
+}
+
+/// What the backward pass needs of a forward pass: the input of each layer and the network's output.
+pub(crate) struct Tape {
+    inputs: Vec<Tensor<3>>,
+    output: Tensor<3>,
+}
+
+impl Plain {
+    /// Zeros of the same shape.
+    pub(super) fn zeros_like(&self) -> Self {
+        let zeros = |l: &Linear| Linear {
+            weight: l.weight.zeros_like(),
+            bias: l.bias.zeros_like(),
+        };
+        Self {
+            layers: self.layers.iter().map(zeros).collect(),
+        }
+    }
+
+    /// `[member, batch, in] -> [member, batch, out]`, showing the input of each layer to `seen`.
+    pub(super) fn run(
+        &self,
+        x: Tensor<3>,
+        output: Activation,
+        mut seen: impl FnMut(&Tensor<3>),
+    ) -> Tensor<3> {
+        let last = self.layers.len() - 1;
+        let mut h = x;
+        for (i, layer) in self.layers.iter().enumerate() {
+            seen(&h);
+            let mut z = h.matmul(layer.weight.clone());
+            host::add_bias(&mut z, &layer.bias, i != last);
+            h = match (i == last, output) {
+                (false, _) | (true, Activation::Linear) => z,
+                (true, Activation::Tanh) => z.tanh(),
+            };
+        }
+        h
+    }
+
+    /// The same, keeping what [`Self::gradients`] needs.
+    pub(super) fn forward_tape(&self, x: Tensor<3>, output: Activation) -> (Tensor<3>, Tape) {
+        let mut inputs = Vec::with_capacity(self.layers.len());
+        let output = self.run(x, output, |h| inputs.push(h.clone()));
+        (output.clone(), Tape { inputs, output })
+    }
+
+    /// Gradients of a scalar loss in the parameters, from its gradient `[member, batch, out]` in the output.
+    pub(super) fn gradients(&self, tape: Tape, output: Activation, d_output: Tensor<3>) -> Self {
+        let mut delta = match output {
+            Activation::Linear => d_output,
+            Activation::Tanh => {
+                d_output * (tape.output.clone() * tape.output).neg().add_scalar(1.0)
+            }
+        };
+        let mut layers = Vec::with_capacity(self.layers.len());
+        for (i, (layer, input)) in self.layers.iter().zip(tape.inputs).enumerate().rev() {
+            let bias = delta.clone().sum_dim(1);
+            let weight = input.clone().swap_dims(1, 2).matmul(delta.clone());
+            if i > 0 {
+                // ReLU passes the gradient where its output is positive.
+                delta = delta.matmul(layer.weight.clone().swap_dims(1, 2));
+                host::mask_inactive(&mut delta, input);
+            }
+            layers.push(Linear { weight, bias });
+        }
+        layers.reverse();
+        Self { layers }
+    }
+
+    /// One step of Adam with the moments `first` and `second`.
+    pub(super) fn adam(
+        &mut self,
+        first: &mut Self,
+        second: &mut Self,
+        gradients: Self,
+        step: AdamStep,
+    ) {
+        let moments = first.layers.iter_mut().zip(&mut second.layers);
+        let layers = self.layers.iter_mut().zip(moments).zip(gradients.layers);
+        for ((layer, (first, second)), gradient) in layers {
+            adam::apply(
+                step,
+                [&mut layer.weight, &mut first.weight, &mut second.weight],
+                gradient.weight,
+            );
+            adam::apply(
+                step,
+                [&mut layer.bias, &mut first.bias, &mut second.bias],
+                gradient.bias,
+            );
+        }
+    }
+
+    /// `self <- (1 - rate) self + rate source`.
+    pub(super) fn polyak(&mut self, source: &Self, rate: f32) {
+        let mix = |old: &mut Tensor<3>, new: &Tensor<3>| {
+            let new = new.clone().into_data();
+            let new = new.as_slice::<f32>().expect("parameters are f32");
+            in_place([old], |[old]| {
+                for (old, new) in old.iter_mut().zip(new) {
+                    *old = (1.0 - rate) * *old + rate * new;
+                }
+            });
+        };
+        for (old, new) in self.layers.iter_mut().zip(&source.layers) {
+            mix(&mut old.weight, &new.weight);
+            mix(&mut old.bias, &new.bias);
+        }
+    }
+}
