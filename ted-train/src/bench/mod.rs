@@ -6,6 +6,8 @@
 mod act;
 mod iql;
 
+pub use iql::{Learners, replay, synthetic};
+
 use firmware_sim::bridge::environment::{self, SetupError};
 use firmware_sim::bridge::{BridgeError, speed};
 use firmware_sim::interrupt;
@@ -79,6 +81,9 @@ pub enum BenchError {
     /// There is no simulator.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// The threads of the learners.
+    #[error("cannot start threads: {0}")]
+    Threads(rayon::ThreadPoolBuildError),
     /// The simulator failed.
     #[error(transparent)]
     Bridge(#[from] BridgeError),
@@ -109,14 +114,14 @@ impl Timing {
 /// # Errors
 /// When there is no simulator to measure, or on request.
 pub fn bench(config: &BenchConfig, audience: Audience) -> Result<Bench, BenchError> {
-    let mut timings = Vec::new();
+    let mut timings = iql::measure(config, audience)?;
     let mut ratios = Vec::new();
-    let [flex, ndarray] = iql::measure(config, audience)?;
-    ratios.push(Ratio {
-        what: "IQL update, flex over ndarray".to_owned(),
-        ratio: ndarray.median_s / flex.median_s,
-    });
-    timings.extend([flex, ndarray]);
+    if let Some((fused, others)) = timings.split_first() {
+        ratios.extend(others.iter().map(|other| Ratio {
+            what: format!("{} over {}", fused.what, other.what),
+            ratio: other.median_s / fused.median_s,
+        }));
+    }
     let [float, integer] = act::measure(config.repetitions)?;
     ratios.push(Ratio {
         what: "an action, integers over f32".to_owned(),

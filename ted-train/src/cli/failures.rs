@@ -196,6 +196,7 @@ impl Ends for BenchError {
             Self::Dataset(_) | Self::Shape(_) | Self::Integer(_) => ExitCode::BadInput,
             Self::Setup(error) => error.exit_code(),
             Self::Bridge(error) => error.exit_code(),
+            Self::Threads(_) => ExitCode::Failure,
             Self::Interrupted => ExitCode::Interrupted,
         }
     }

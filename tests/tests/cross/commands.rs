@@ -111,7 +111,7 @@ fn the_bench_measures_everything_that_it_names() {
     let small = ["bench", "--steps", "2", "--repetitions", "5"];
     let simulator = ["--simulator-steps", "60", "--task", "reach-v3"];
     let text = said(ted(desk.path(), &small).args(simulator), &[0]);
-    for named in ["flex", "ndarray", "act", "bridge"] {
+    for named in ["fused", "flex", "ndarray", "act", "bridge"] {
         assert!(text.to_lowercase().contains(named), "no {named}: {text}");
     }
 }
