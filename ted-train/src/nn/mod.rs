@@ -5,7 +5,7 @@
 //! for a perceptron they are four lines a layer, every loss is tested against finite differences, and a step needs no
 //! bookkeeping.
 //!
-//! Two engines compute a perceptron: [`plain`] by tensor operations, on every burn device, and [`fused`] by passes of its own
+//! Two engines compute a perceptron: `plain` by tensor operations, on every burn device, and `fused` by passes of its own
 //! over buffers, on processors. Which one it is, is seen by nobody above [`Mlp`] and [`Adam`].
 
 mod adam;
