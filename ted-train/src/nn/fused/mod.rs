@@ -2,9 +2,10 @@
 //! parallel.
 //!
 //! It computes what the tensor operations of [`super::plain`] compute, up to the order of sums and fused multiply-adds, and is
-//! tested against them. Its own bits depend on nothing but numbers: not on the number of threads, of members or of registers,
-//! because each result is one chain of operations whose order its indices give, and no two threads share a result. (A
-//! machine without fused multiply-add rounds twice and has other bits.)
+//! tested against them. Its own bits do not depend on the number of threads or members, because each result is one chain of
+//! operations whose order its indices give, and no two threads share a result. A machine with other vector registers, or
+//! without fused multiply-add, has other last bits.
+
 
 mod backward;
 mod forward;
