@@ -66,60 +66,65 @@ impl Iql {
         self.step += 1;
         let step = self.step;
 
+        // What this step's V decides nothing about, side by side.
+        let (of_critics, of_observation) = rayon::join(
+            || {
+                rayon::join(
+                    || minimum_of_heads(self.target.forward(pair.clone())),
+                    || self.critic.forward_tape(pair.clone()),
+                )
+            },
+            || {
+                rayon::join(
+                    || self.value.forward_tape(observation.clone()),
+                    || self.actor.forward_tape(observation.clone()),
+                )
+            },
+        );
+        let (q_target, (q, critic_tape)) = of_critics;
+        let ((v, value_tape), (mean, actor_tape)) = of_observation;
+
         // V, towards the expectile of the target critics' minimum.
-        let q_target = minimum_of_heads(self.target.forward(pair.clone()));
-        let (v, tape) = self.value.forward_tape(observation.clone());
         let (value_loss, d_v) = expectile_loss(q_target.clone(), v, self.config.tau);
-        let gradients = self.value.gradients(tape, d_v);
+        let gradients = self.value.gradients(value_tape, d_v);
         adam.step(&mut self.value, &mut self.value_adam, gradients, rate, step);
 
         // From here on V is the new one, in both places.
         let both = self
             .value
-            .forward(Tensor::cat(vec![observation.clone(), next_observation], 1));
+            .forward(Tensor::cat(vec![observation, next_observation], 1));
         let v = both.clone().narrow(1, 0, rows);
         let v_next = both.narrow(1, rows, rows);
-
-        // Policy, by advantage-weighted regression onto the data's actions.
         let advantage = q_target - v.clone();
-        let (mean, tape) = self.actor.forward_tape(observation);
-        let (policy_loss, d_mean, d_log_std) = policy_loss(
-            mean,
-            self.log_std.clone(),
-            action,
-            advantage.clone(),
-            &self.config,
-        );
-        let gradients = self.actor.gradients(tape, d_mean);
-        adam.step(
-            &mut self.actor,
-            &mut self.actor_adam,
-            gradients,
-            actor_rate,
-            step,
-        );
-        adam.tensor(
-            &mut self.log_std,
-            &mut self.log_std_adam,
-            d_log_std,
-            actor_rate,
-            step,
-        );
 
-        // Q, towards the Bellman target with each transition's own discount.
-        let y = for_each_head(reward + discount * v_next);
-        let (q, tape) = self.critic.forward_tape(pair);
-        let (critic_loss, d_q) = critic_loss(q, y);
-        let gradients = self.critic.gradients(tape, d_q);
-        adam.step(
-            &mut self.critic,
-            &mut self.critic_adam,
-            gradients,
-            rate,
-            step,
+        let (policy_loss, critic_loss) = rayon::join(
+            // Policy, by advantage-weighted regression onto the data's actions.
+            || {
+                let (loss, d_mean, d_log_std) = policy_loss(
+                    mean,
+                    self.log_std.clone(),
+                    action,
+                    advantage.clone(),
+                    &self.config,
+                );
+                let gradients = self.actor.gradients(actor_tape, d_mean);
+                let (actor, moments) = (&mut self.actor, &mut self.actor_adam);
+                adam.step(actor, moments, gradients, actor_rate, step);
+                let (log_std, moments) = (&mut self.log_std, &mut self.log_std_adam);
+                adam.tensor(log_std, moments, d_log_std, actor_rate, step);
+                loss
+            },
+            // Q, towards the Bellman target with each transition's own discount; and the target critics after it.
+            || {
+                let y = for_each_head(reward + discount * v_next);
+                let (loss, d_q) = critic_loss(q, y);
+                let gradients = self.critic.gradients(critic_tape, d_q);
+                let (critic, moments) = (&mut self.critic, &mut self.critic_adam);
+                adam.step(critic, moments, gradients, rate, step);
+                self.target.polyak(&self.critic, self.config.target_rate);
+                loss
+            },
         );
-
-        self.target.polyak(&self.critic, self.config.target_rate);
         Losses {
             value_loss,
             policy_loss,

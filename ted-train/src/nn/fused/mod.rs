@@ -6,7 +6,6 @@
 //! operations whose order its indices give, and no two threads share a result. A machine with other vector registers, or
 //! without fused multiply-add, has other last bits.
 
-
 mod backward;
 mod forward;
 mod layout;
