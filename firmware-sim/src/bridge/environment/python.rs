@@ -112,17 +112,27 @@ fn parse_version(line: &str) -> Option<(u32, u32)> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
     use std::io;
-    use std::os::unix::fs::PermissionsExt;
 
     use super::*;
 
     /// An executable that answers the probe with a fixed text.
+    ///
+    /// A process of its own writes it: a file that is open for writing cannot be executed, and while it were open here, a
+    /// process that another test starts could take it along, open.
     fn fake(folder: &Path, answer: &str) -> io::Result<PathBuf> {
         let path = folder.join("python3");
-        fs::write(&path, format!("#!/bin/sh\n{answer}\n"))?;
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755))?;
+        let script = format!("#!/bin/sh\n{answer}\n");
+        let written = Command::new("sh")
+            .args([
+                "-c",
+                r#"printf %s "$1" >"$2" && chmod +x "$2""#,
+                "sh",
+                &script,
+            ])
+            .arg(&path)
+            .status()?;
+        assert!(written.success());
         Ok(path)
     }
 
