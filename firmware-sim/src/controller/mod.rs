@@ -23,6 +23,7 @@ pub enum Numeric {
     #[default]
     F32,
     /// The quantised networks: 8-bit weights, 16-bit activations.
+    #[cfg_attr(feature = "std", value(alias = "int"))]
     Integer,
 }
 
