@@ -14,12 +14,11 @@ What a step of the reference takes beside the physics is mostly the search for n
 import copy
 import functools
 import gc
-import math
 
 import mujoco
 import numpy as np
 
-from quick import CURRENT, HAND_AND_GRIPPER, MOCAP_QUAT, POSE
+from quick import CURRENT, MOCAP_QUAT, observer
 from rebound import rebound
 from snapshot import Snapshot
 from task import OBSERVATION, Task
@@ -27,7 +26,6 @@ from task import OBSERVATION, Task
 # What the package reads before it sets a state of its own, which computes everything else anew.
 STATE = ["qpos", "qvel", "qacc_warmstart", "ctrl", "mocap_pos", "mocap_quat"]
 PLACES = ["xpos", "xquat", "xmat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat"]
-BOTH_POSES = HAND_AND_GRIPPER + 2 * POSE
 
 
 class FastTask(Task):
@@ -88,7 +86,9 @@ def _drive(env):
     """Replaces what every step goes through, in this one environment."""
     model, data = env.model, env.data
     env.set_xyz_action = _mover(env)
-    env._get_curr_obs_combined_no_goal = _observer(env)
+    env._get_curr_obs_combined_no_goal = observer(env)
+    hand = data.body("hand").xpos
+    env.get_endeff_pos = lambda: hand
     env._get_obs = _stacker(env)
     env.touching_object = _toucher(data)
     env.do_simulation = _simulator(model, data)
@@ -146,30 +146,6 @@ def _mover(env):
         quaternion[:] = MOCAP_QUAT
 
     return set_xyz_action
-
-
-def _observer(env):
-    """`_get_curr_obs_combined_no_goal`: hand, gripper opening, and the pose of one object or two."""
-    data = env.data
-    hand = data.body("hand").xpos
-    right, left = data.body("rightclaw").xpos, data.body("leftclaw").xpos
-    env.get_endeff_pos = lambda: hand
-
-    def current():
-        observation = np.zeros(CURRENT)
-        observation[:3] = hand
-        gap = right - left
-        observation[3] = min(max(math.sqrt(gap.dot(gap)) / 0.1, 0.0), 1.0)
-        positions = env._get_pos_objects()
-        quaternions = env._get_quat_objects()
-        observation[4:7] = positions[:3]
-        observation[7:11] = quaternions[:4]
-        if len(positions) > 3:
-            observation[11:14] = positions[3:]
-            observation[14:BOTH_POSES] = quaternions[4:]
-        return observation
-
-    return current
 
 
 def _stacker(env):

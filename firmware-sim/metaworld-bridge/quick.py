@@ -17,7 +17,7 @@ POSE = 7
 def quicken(env):
     """Replaces the three methods of this one environment."""
     env.set_xyz_action = _mover(env)
-    env._get_curr_obs_combined_no_goal = _observer(env)
+    env._get_curr_obs_combined_no_goal = observer(env)
     env.touching_object = _toucher(env)
 
 
@@ -35,7 +35,7 @@ def _mover(env):
     return set_xyz_action
 
 
-def _observer(env):
+def observer(env):
     """`_get_curr_obs_combined_no_goal`: hand, gripper opening, and the pose of each object."""
     data = env.data
     hand = data.body("hand").xpos

@@ -1,7 +1,7 @@
 //! Bytes to values, as postcard encodes them: numbers of more than a byte as varints, everything else as it is.
 //!
-//! Postcard's own decoder has a varint for each width and hands on what is left beside every value: two kilobytes more of an
-//! image that may have 32. Tests compare the two.
+//! Postcard's own decoder has a varint for each width and hands on what is left beside every value: 1.3 KB more of
+//! an image that may have 32. Tests compare the two.
 
 use core::fmt;
 

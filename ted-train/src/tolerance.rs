@@ -44,6 +44,8 @@ pub const SCORED_F32: Tolerance = exact("TED classes, controller on the logs - t
 pub const SCORED_INTEGER: Tolerance = exact("the same, in integers");
 /// Returns of the episodes of an evaluation, flown again.
 pub const RETURNS: Tolerance = exact("returns, flown again - evaluation");
+/// Actions of the engine that training runs on.
+pub const ACTIONS_FUSED: Tolerance = absolute("actions, fused - ted-core", 1e-5);
 /// Actions of burn's default CPU backend.
 pub const ACTIONS_FLEX: Tolerance = absolute("actions, burn flex - ted-core", 1e-5);
 /// Actions of burn's second CPU backend.
@@ -56,7 +58,7 @@ pub const MATMUL: Tolerance = absolute("matrix product, burn - double precision"
 pub const NETWORK_FUSED: Tolerance = absolute("networks, fused - burn flex", 1e-6);
 
 /// The whole table.
-pub const TABLE: [Tolerance; 14] = [
+pub const TABLE: [Tolerance; 15] = [
     GOLDEN,
     INTEGER_GOLDEN,
     WEIGHTS,
@@ -66,6 +68,7 @@ pub const TABLE: [Tolerance; 14] = [
     SCORED_F32,
     SCORED_INTEGER,
     RETURNS,
+    ACTIONS_FUSED,
     ACTIONS_FLEX,
     ACTIONS_NDARRAY,
     ACTIONS_BURN,

@@ -144,11 +144,11 @@ impl Worker {
     /// As [`Worker::step_all`].
     pub fn step(&mut self, action: &[f32]) -> Result<Step, BridgeError> {
         let action = action.to_vec();
-        let steps = self.step_all(&[Move { slot: 0, action }])?;
-        Ok(steps.into_iter().next().unwrap_or_default())
+        let mut steps = self.step_all(&[Move { slot: 0, action }])?;
+        Ok(steps.remove(0))
     }
 
-    /// Applies an action to each of several episodes; what came of them, in the same order.
+    /// Applies an action to each of several episodes; what came of them, as many and in the same order.
     ///
     /// # Errors
     /// When an action has the wrong length, no episode is running in a slot, or the worker fails.

@@ -1,7 +1,6 @@
 //! A task of MuJoCo Meta-World as a plant: one simulator process, several episodes of one task side by side.
 
 use std::cell::RefCell;
-use std::mem;
 use std::rc::Rc;
 
 use crate::bridge::{BridgeError, Environment, Move, Shape, Step, Worker};
@@ -164,14 +163,17 @@ impl Shared {
     }
 
     fn step(&mut self, slot: u16, action_env: &[f32]) -> Result<Step, BridgeError> {
-        if !self.made.iter().any(|(made, _)| *made == slot) {
-            self.announce(slot, action_env);
-            let moves = mem::take(&mut self.announced);
-            let steps = self.worker.step_all(&moves)?;
-            let slots = moves.iter().map(|one| one.slot);
-            self.made.extend(slots.zip(steps));
+        if let Some(own) = self.made.iter().position(|(made, _)| *made == slot) {
+            return Ok(self.made.swap_remove(own).1);
         }
-        let own = self.made.iter().position(|(made, _)| *made == slot);
-        Ok(own.map_or_else(Step::default, |own| self.made.swap_remove(own).1))
+        // The one asked for goes first; the announcement that it comes is not needed any more.
+        let action = action_env.to_vec();
+        let mut moves = vec![Move { slot, action }];
+        moves.extend(self.announced.drain(..).filter(|one| one.slot != slot));
+        let mut steps = self.worker.step_all(&moves)?;
+        let own = steps.remove(0);
+        let others = moves[1..].iter().map(|one| one.slot);
+        self.made.extend(others.zip(steps));
+        Ok(own)
     }
 }

@@ -11,7 +11,7 @@ use crate::crosscheck::CrosscheckError;
 use crate::dataset::DatasetError;
 use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
-use crate::fleet::LaneError;
+use crate::fleet::{FleetError, LaneError};
 use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
@@ -138,12 +138,18 @@ impl Ends for LaneError {
     }
 }
 
+impl Ends for FleetError {
+    fn exit_code(&self) -> ExitCode {
+        self.first.exit_code()
+    }
+}
+
 impl Ends for StudyError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Config(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
-            Self::Lane(error) => error.exit_code(),
+            Self::Fleet(error) => error.exit_code(),
         }
     }
 }

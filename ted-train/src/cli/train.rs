@@ -99,7 +99,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     );
     let report = FleetReport::of(&lanes, &ends);
     args.output.print(&report, || report.text())?;
-    match ends.into_iter().find_map(Result::err) {
+    match fleet::first_failure(&lanes, ends) {
         None => Ok(()),
         Some(error) => Err(end(error)),
     }

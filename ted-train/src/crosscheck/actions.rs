@@ -1,4 +1,4 @@
-//! The same observations through burn flex, burn ndarray and `ted-core`.
+//! The same observations through every engine of the trainer and `ted-core`.
 
 use burn::tensor::{Tensor, TensorData};
 use firmware_sim::interrupt;
@@ -18,9 +18,10 @@ use super::{CrosscheckError, Distance};
 /// Observations that go through the networks at once.
 const CHUNK: usize = 4096;
 
-/// The three differences between three ways to compute an action.
+/// The differences between the ways to compute an action.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ActionDistances {
+    pub fused_core: Distance,
     pub flex_core: Distance,
     pub ndarray_core: Distance,
     pub flex_ndarray: Distance,
@@ -35,8 +36,10 @@ pub(super) fn compare(
     rows: &[usize],
     audience: Audience,
 ) -> Result<ActionDistances, CrosscheckError> {
-    let flex = BurnActor::new(Backend::Flex, config, checkpoint, dataset)?;
-    let ndarray = BurnActor::new(Backend::Ndarray, config, checkpoint, dataset)?;
+    let actor = |backend| Actor::new(backend, config, checkpoint, dataset);
+    let fused = actor(Backend::Fused)?;
+    let flex = actor(Backend::Flex)?;
+    let ndarray = actor(Backend::Ndarray)?;
     let width = dataset.observation_dim();
     let progress = audience.start("compare actions", rows.len() as u64, "observations");
     let mut all = ActionDistances::default();
@@ -51,8 +54,10 @@ pub(super) fn compare(
             .collect();
         let core = core_actions(policy, &raw)?;
         let standardised = standardise(policy, &raw);
+        let fused = fused.act(standardised.clone(), chunk.len());
         let flex = flex.act(standardised.clone(), chunk.len());
         let ndarray = ndarray.act(standardised, chunk.len());
+        all.fused_core = all.fused_core.and(Distance::between(&fused, &core));
         all.flex_core = all.flex_core.and(Distance::between(&flex, &core));
         all.ndarray_core = all.ndarray_core.and(Distance::between(&ndarray, &core));
         all.flex_ndarray = all.flex_ndarray.and(Distance::between(&flex, &ndarray));
@@ -82,12 +87,12 @@ fn standardise(policy: &Policy<'_>, raw: &[f32]) -> Vec<f32> {
         .collect()
 }
 
-/// The actor of a checkpoint on a burn backend.
-struct BurnActor {
+/// The actor of a checkpoint on one of the engines.
+struct Actor {
     iql: Iql,
 }
 
-impl BurnActor {
+impl Actor {
     fn new(
         backend: Backend,
         config: &Config,

@@ -219,6 +219,7 @@ pub fn crosscheck(
     let policy = artifact.policy();
     let distances = actions::compare(&policy, run.config(), &checkpoint, dataset, &rows, audience)?;
     checks.extend([
+        Check::of(tolerance::ACTIONS_FUSED, distances.fused_core),
         Check::of(tolerance::ACTIONS_FLEX, distances.flex_core),
         Check::of(tolerance::ACTIONS_NDARRAY, distances.ndarray_core),
         Check::of(tolerance::ACTIONS_BURN, distances.flex_ndarray),

@@ -1,4 +1,5 @@
-//! The datasets of a fleet: one copy of each in memory for all lanes that use it, for as long as one does.
+//! The datasets of a fleet: one copy of each in memory for all lanes that use it, for as long as one does. The one asked for
+//! last stays, because the next lane as a rule wants it too.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,8 +9,12 @@ use crate::dataset::{Dataset, DatasetError};
 
 /// Datasets that somebody holds, by path.
 #[derive(Debug, Default)]
-pub struct Datasets {
-    held: Mutex<HashMap<PathBuf, Weak<Dataset>>>,
+pub struct Datasets(Mutex<Held>);
+
+#[derive(Debug, Default)]
+struct Held {
+    by_path: HashMap<PathBuf, Weak<Dataset>>,
+    last: Option<Arc<Dataset>>,
 }
 
 impl Datasets {
@@ -18,13 +23,19 @@ impl Datasets {
     /// # Errors
     /// When it cannot be read.
     pub fn open(&self, path: &Path) -> Result<Arc<Dataset>, DatasetError> {
-        // A reader that panicked has left the map as it was.
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(dataset) = held.get(path).and_then(Weak::upgrade) {
-            return Ok(dataset);
-        }
-        let dataset = Arc::new(Dataset::open(path)?);
-        held.insert(path.to_path_buf(), Arc::downgrade(&dataset));
+        // A reader that panicked has left all as it was.
+        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let dataset = match held.by_path.get(path).and_then(Weak::upgrade) {
+            Some(dataset) => dataset,
+            None => {
+                // Not two at once for nobody's sake.
+                held.last = None;
+                Arc::new(Dataset::open(path)?)
+            }
+        };
+        let known = Arc::downgrade(&dataset);
+        held.by_path.insert(path.to_path_buf(), known);
+        held.last = Some(Arc::clone(&dataset));
         Ok(dataset)
     }
 }

@@ -1,5 +1,7 @@
 //! Why a run of a fleet ended without an artefact or its evaluation.
 
+use std::path::PathBuf;
+
 use rayon::ThreadPoolBuildError;
 
 use crate::dataset::DatasetError;
@@ -37,4 +39,18 @@ pub enum LaneError {
     /// Somebody asked to stop before its turn came.
     #[error("not begun: somebody asked to stop")]
     NotBegun,
+}
+
+/// Not all runs of a fleet were finished; those that were are kept, and the same command does the others.
+#[derive(Debug, thiserror::Error)]
+#[error("{failed} of {lanes} runs were not finished; the first is {folder}: {first}")]
+pub struct FleetError {
+    /// How many.
+    pub failed: usize,
+    /// Of how many.
+    pub lanes: usize,
+    /// The folder of the first.
+    pub folder: PathBuf,
+    /// Why it was not.
+    pub first: Box<LaneError>,
 }

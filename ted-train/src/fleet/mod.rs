@@ -9,12 +9,12 @@ mod error;
 mod lane;
 
 pub use datasets::Datasets;
-pub use error::LaneError;
+pub use error::{FleetError, LaneError};
 pub use lane::{Lane, Trained};
 
 use std::num::NonZeroUsize;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use firmware_sim::interrupt;
@@ -59,21 +59,41 @@ pub fn run(
     thread::scope(|scope| {
         for _ in 0..crew.lanes.get() {
             scope.spawn(|| {
-                while let Some((index, lane)) = queue.lock().ok().and_then(|mut it| it.next()) {
+                while let Some((index, lane)) = locked(&queue).next() {
                     let end = one(lane, datasets, crew.threads, &progress);
                     progress.note(&describe(lane, &end));
-                    if let Ok(mut ends) = ends.lock() {
-                        ends.push((index, end));
-                        progress.message(&format!("{} of {} runs ended", ends.len(), lanes.len()));
-                    }
+                    let mut ends = locked(&ends);
+                    ends.push((index, end));
+                    progress.message(&format!("{} of {} runs ended", ends.len(), lanes.len()));
                 }
             });
         }
     });
     progress.finish();
-    let mut ends = ends.into_inner().unwrap_or_default();
+    let mut ends = ends.into_inner().unwrap_or_else(PoisonError::into_inner);
     ends.sort_by_key(|(index, _)| *index);
     ends.into_iter().map(|(_, end)| end).collect()
+}
+
+/// The first failure among the ends of these lanes, if there is one.
+#[must_use]
+pub fn first_failure(lanes: &[Lane], ends: Vec<Result<Trained, LaneError>>) -> Option<FleetError> {
+    let failed = ends.iter().filter(|end| end.is_err()).count();
+    let (lane, first) = lanes
+        .iter()
+        .zip(ends)
+        .find_map(|(lane, end)| Some((lane, end.err()?)))?;
+    Some(FleetError {
+        failed,
+        lanes: lanes.len(),
+        folder: lane.folder.clone(),
+        first: Box::new(first),
+    })
+}
+
+/// Nothing panics while it holds one of these.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// One lane, in a pool of threads of its own: whatever it computes side by side stays among them.

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::config::{ConfigError, Overrides, Preset};
 use crate::evaluate::Evaluation;
-use crate::fleet::{self, Crew, Datasets, Lane, LaneError};
+use crate::fleet::{self, Crew, Datasets, FleetError, Lane};
 use crate::run::{EVALUATION, RunError, RunFolder};
 use crate::train::RewardReport;
 
@@ -50,9 +50,9 @@ pub enum StudyError {
     /// A run's folder that holds another one.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A run that failed; the others were finished.
+    /// Runs that failed; the others were finished.
     #[error(transparent)]
-    Lane(#[from] LaneError),
+    Fleet(#[from] FleetError),
 }
 
 /// Refuses changes that cannot be made, and a place where one of these runs was begun with others: its score would stand
@@ -97,7 +97,7 @@ pub fn fill(
     }
     let crew = Crew::of(lanes.len(), jobs);
     let ends = fleet::run(&lanes, &Datasets::default(), crew, audience);
-    match ends.into_iter().find_map(Result::err) {
+    match fleet::first_failure(&lanes, ends) {
         None => Ok(()),
         Some(error) => Err(error.into()),
     }

@@ -92,7 +92,7 @@ fn a_run_that_fails_is_reported_and_the_others_are_finished() {
     .unwrap();
     let Ended { said, .. } = finish(fleet(&desk, "runs", &[]).arg("--json"))
         .with(6)
-        .telling("checkpoints");
+        .telling("1 of 4 runs were not finished; the first is runs/reach-v3/oprl-i/seed-1");
     let report: Value = serde_json::from_str(&said).unwrap();
     for run in report["runs"].as_array().unwrap() {
         let failed = run["preset"] == "oprl-i" && run["seed"] == 1;

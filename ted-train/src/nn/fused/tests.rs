@@ -40,7 +40,8 @@ fn learned(
     let (inputs, _, outputs, batch) = *shape;
     let mut network = network(shape, output, backend);
     let mut adam = AdamState::new(&network);
-    // No unit is within rounding of its kink in these rows: it may be on in one engine and off in the other.
+    // Rows for which no unit ends within rounding of its kink, where it would be on in one engine and off in the other: then
+    // a gradient is off by 1e-4 and no engine is wrong.
     let x = numbers(batch * inputs, "rows");
     let x = tensor(&x, [1, batch, inputs], backend);
     let d = numbers(MEMBERS * batch * outputs, "d");
