@@ -1,6 +1,7 @@
 //! Preferences to policies: datasets, reward ensembles, TED, offline RL, evaluation, export, and the `ted` command.
 #![doc = include_str!("../README.md")]
 
+pub mod algorithm;
 pub mod bench;
 pub mod cli;
 pub mod collect;

@@ -22,14 +22,14 @@ Examples:
 
 const POLICIES_EXAMPLES: &str = "\
 Examples:
-  ted study policies --set iql.steps=50000
-  ted study policies --presets true --seeds 3 --set iql.steps=100000 --out runs/study/true-100k
-  ted study policies --set iql.steps=50000 --table     what is finished so far";
+  ted study policies --set algorithm.steps=50000
+  ted study policies --presets true --seeds 3 --set algorithm.steps=100000 --out runs/study/true-100k
+  ted study policies --set algorithm.steps=50000 --table     what is finished so far";
 
 const STUDY_EXAMPLES: &str = "\
 Examples:
   ted study reward
-  ted study policies --presets true,oprl-i+ted --set iql.steps=50000";
+  ted study policies --presets true,oprl-i+ted --set algorithm.steps=50000";
 
 /// Measure what the defaults were chosen by
 #[derive(Debug, Args)]

@@ -24,7 +24,7 @@ const EXAMPLES: &str = "\
 Examples:
   ted train drawer-open-v3                                   the method, with the paper's constants
   ted train drawer-open-v3 --preset true --seed 2            true rewards, another seed
-  ted train drawer-open-v3 --set iql.steps=50000 --set discount.sigma=0.5
+  ted train drawer-open-v3 --set algorithm.steps=50000 --set discount.sigma=0.5
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
   ted train drawer-open-v3,box-close-v3 --preset oprl-i,oprl-i+ted --seeds 0..6      a fleet of 24 runs
 

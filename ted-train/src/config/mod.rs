@@ -5,6 +5,7 @@ mod check;
 mod error;
 mod overrides;
 mod preset;
+mod ranges;
 
 pub use error::ConfigError;
 pub use overrides::Overrides;
@@ -12,7 +13,7 @@ pub use preset::Preset;
 
 use serde::{Deserialize, Serialize};
 
-use crate::iql::IqlConfig;
+use crate::algorithm::AlgorithmConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
 use crate::ted::DiscountConfig;
@@ -34,7 +35,7 @@ pub struct Config {
     /// Which discount a transition gets.
     pub discount: DiscountConfig,
     /// Which offline algorithm learns the policy, and how.
-    pub iql: IqlConfig,
+    pub algorithm: AlgorithmConfig,
     /// How often the run is evaluated, logged and saved.
     pub schedule: Schedule,
 }

@@ -158,6 +158,7 @@ fn same_kind(old: &Table, new: &Table) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algorithm::AlgorithmConfig;
     use crate::ted::DiscountConfig;
 
     fn resolve(sets: &[&str]) -> Result<Config, ConfigError> {
@@ -171,14 +172,15 @@ mod tests {
     #[test]
     fn fields_of_any_depth_can_be_set() {
         let config = resolve(&[
-            "iql.steps=7",
+            "algorithm.steps=7",
             "discount.sigma=0.5",
-            "iql.hidden=[64, 64]",
+            "algorithm.hidden=[64, 64]",
             "backend=ndarray",
         ])
         .unwrap();
-        assert_eq!(config.iql.steps, 7);
-        assert_eq!(config.iql.hidden, [64, 64]);
+        assert_eq!(config.algorithm.steps(), 7);
+        let AlgorithmConfig::Iql(iql) = &config.algorithm;
+        assert_eq!(iql.hidden, [64, 64]);
         assert_eq!(
             config.discount,
             DiscountConfig::Ted {
@@ -214,7 +216,7 @@ mod tests {
     #[test]
     fn unknown_keys_are_refused_by_name() {
         for set in [
-            "iql.step=7",
+            "algorithm.step=7",
             "steps=7",
             "reward.epoch=1",
             "discount.kk=1",
@@ -232,9 +234,9 @@ mod tests {
             ("discount.k=-1.0", "discount.k"),
             ("discount.sigma=1.01", "discount.sigma"),
             ("discount.sigma=nan", "discount.sigma"),
-            ("iql.tau=0.0", "iql.tau"),
-            ("iql.tau=1.0", "iql.tau"),
-            ("iql.hidden=[512]", "iql.hidden"),
+            ("algorithm.tau=0.0", "algorithm.tau"),
+            ("algorithm.tau=1.0", "algorithm.tau"),
+            ("algorithm.hidden=[512]", "algorithm.hidden"),
             ("reward.members=9", "reward.members"),
         ] {
             let error = resolve(&[set]).unwrap_err().to_string();
@@ -253,7 +255,7 @@ mod tests {
         let resolved =
             |text: &str, preset, seed| file(text).unwrap().resolve(preset, seed).unwrap();
 
-        let unnamed = resolved("iql.steps = 7", None, None);
+        let unnamed = resolved("algorithm.steps = 7", None, None);
         assert_eq!((unnamed.preset, unnamed.seed), (Preset::OprlITed, 0));
         // A preset is a composition and not a label: naming it changes what is computed.
         let named = resolved("preset = \"zero\"\nseed = 5", None, None);
@@ -280,7 +282,7 @@ mod tests {
 
     #[test]
     fn an_override_without_a_value_is_refused() {
-        for set in ["iql.steps", "=3", "iql.=3", ".steps=3"] {
+        for set in ["algorithm.steps", "=3", "algorithm.=3", ".steps=3"] {
             assert!(
                 matches!(resolve(&[set]), Err(ConfigError::Override { .. })),
                 "{set}"

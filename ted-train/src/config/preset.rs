@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
+use crate::algorithm::AlgorithmConfig;
 use crate::iql::IqlConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
@@ -55,7 +56,7 @@ impl Preset {
             unit_rewards: true,
             reward,
             discount,
-            iql: IqlConfig::default(),
+            algorithm: AlgorithmConfig::Iql(IqlConfig::default()),
             schedule: Schedule::default(),
         }
     }
@@ -86,7 +87,7 @@ mod tests {
             unit_rewards,
             reward,
             discount,
-            iql,
+            algorithm,
             ..
         } = Preset::default().config();
         assert_eq!((preset, seed, unit_rewards), (Preset::OprlITed, 0, true));
@@ -113,7 +114,7 @@ mod tests {
             log_std: [-5.0, 2.0],
             adam,
         };
-        assert_eq!(iql, paper);
+        assert_eq!(algorithm, AlgorithmConfig::Iql(paper));
         let RewardConfig::Oprl(oprl) = reward else {
             panic!("{reward:?}");
         };

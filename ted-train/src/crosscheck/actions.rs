@@ -6,6 +6,7 @@ use firmware_sim::progress::Audience;
 use rayon::prelude::*;
 use ted_core::{Policy, Scratch};
 
+use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::iql::Iql;
@@ -99,8 +100,9 @@ impl Actor {
         checkpoint: &Checkpoint,
         dataset: &Dataset,
     ) -> Result<Self, RunError> {
+        let AlgorithmConfig::Iql(settings) = &config.algorithm;
         let mut iql = Iql::new(
-            config.iql.clone(),
+            settings.clone(),
             dataset.observation_dim(),
             dataset.action_dim(),
             &[Seed::root(config.seed)],

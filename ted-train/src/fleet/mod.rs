@@ -52,7 +52,7 @@ pub fn run(
     crew: Crew,
     audience: Audience,
 ) -> Vec<Result<Trained, LaneError>> {
-    let updates = lanes.iter().map(|lane| lane.config.iql.steps).sum();
+    let updates = lanes.iter().map(|lane| lane.config.algorithm.steps()).sum();
     let progress = audience.start("train", updates, "updates");
     let queue = Mutex::new(lanes.iter().enumerate());
     let ends = Mutex::new(Vec::new());

@@ -46,7 +46,7 @@ impl RunText {
             config_digest: Digest(config.digest()).to_string(),
             dataset: folder.read_json("dataset.json")?,
             step: newest_step(folder, &config, Audience::Nobody),
-            steps: config.iql.steps,
+            steps: config.algorithm.steps(),
             reward: held("reward.json")
                 .then(|| folder.read_json("reward.json"))
                 .transpose()?,

@@ -112,7 +112,7 @@ impl QuickstartConfig {
             seed: self.seed,
             ..Preset::OprlITed.config()
         };
-        config.iql.steps = self.steps;
+        config.algorithm.set_steps(self.steps);
         config.schedule.checkpoint_every = CHECKPOINT_EVERY;
         config.schedule.evaluation_episodes = FLOWN_EPISODES;
         config.check()?;
@@ -246,10 +246,10 @@ mod tests {
     #[test]
     fn the_quickstart_differs_from_the_method_in_size_only() {
         let mut training = config().training().unwrap();
-        assert_eq!((training.seed, training.iql.steps), (5, 7));
+        assert_eq!((training.seed, training.algorithm.steps()), (5, 7));
         let method = Preset::OprlITed.config();
         training.seed = method.seed;
-        training.iql.steps = method.iql.steps;
+        training.algorithm.set_steps(method.algorithm.steps());
         training.schedule = method.schedule.clone();
         assert_eq!(training, method);
     }

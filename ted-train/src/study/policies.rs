@@ -183,11 +183,12 @@ mod tests {
             seed,
         };
         let runs = [run(0), run(1)];
-        let short = ["iql.steps=50".to_owned()];
+        let short = ["algorithm.steps=50".to_owned()];
         assert!(check(out.path(), &runs, &short).is_ok(), "nothing is there");
 
         let mut config = Preset::True.config();
-        (config.seed, config.iql.steps) = (1, 50);
+        config.seed = 1;
+        config.algorithm.set_steps(50);
         let begun = run_path(out.path(), &run(1));
         std::fs::create_dir_all(&begun).unwrap();
         std::fs::write(begun.join("config.toml"), config.to_toml()).unwrap();

@@ -4,6 +4,7 @@ use firmware_sim::progress::Audience;
 use ted_core::{RewardRange, TedDiscount};
 use ted_policy::Digest;
 
+use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
@@ -39,8 +40,9 @@ impl FinishedRun {
     ) -> Result<Self, TrainError> {
         let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
         let checkpoint = last_checkpoint(folder, &config, audience)?;
+        let AlgorithmConfig::Iql(iql_config) = &config.algorithm;
         let mut iql = Iql::new(
-            config.iql.clone(),
+            iql_config.clone(),
             dataset.observation_dim(),
             dataset.action_dim(),
             &[Seed::root(config.seed).child("iql")],
@@ -77,7 +79,7 @@ impl FinishedRun {
             returns_hat: &self.labels().episode_returns(dataset),
             preset: self.config.preset.name(),
             seed: self.config.seed,
-            steps: self.config.iql.steps,
+            steps: self.config.algorithm.steps(),
             config_digest: Digest(self.config.digest()),
             preferences_digest: self.rewards.preferences_digest,
         })
@@ -143,7 +145,7 @@ pub fn last_checkpoint(
 ) -> Result<Checkpoint, TrainError> {
     let newest = folder.newest_checkpoint(config, audience);
     let step = newest.as_ref().map_or(0, |checkpoint| checkpoint.step);
-    let steps = config.iql.steps;
+    let steps = config.algorithm.steps();
     newest
         .filter(|checkpoint| checkpoint.step == steps)
         .ok_or_else(|| TrainError::NotFinished {

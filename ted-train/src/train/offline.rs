@@ -5,6 +5,7 @@ use std::thread;
 use firmware_sim::interrupt;
 use serde::Serialize;
 
+use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::iql::{Iql, Replay, UpdateMetrics};
@@ -49,11 +50,12 @@ pub(super) fn learn(
     root: Seed,
     watch: Watch<'_>,
 ) -> Result<LearnedPolicy, TrainError> {
+    let AlgorithmConfig::Iql(settings) = &config.algorithm;
     let replay = Replay::new(dataset, rewards, discounts);
     let digest = config.digest();
     let seeds = [root.child("iql")];
     let mut iql = Iql::new(
-        config.iql.clone(),
+        settings.clone(),
         dataset.observation_dim(),
         dataset.action_dim(),
         &seeds,
@@ -64,29 +66,29 @@ pub(super) fn learn(
     }
     let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;
     let mut events = EventWriter::create(folder.path(), iql.step())?;
-    let progress = watch.updates(config.iql.steps);
+    let progress = watch.updates(settings.steps);
     progress.skip(iql.step());
 
     let stream = root.child("iql/batch");
     thread::scope(|scope| {
         let saver = Saver::start(scope, folder, &metrics)?;
-        while iql.step() < config.iql.steps {
+        while iql.step() < settings.steps {
             if interrupt::requested() {
                 // Whether it was handed over is seen at the end.
                 let _ = saver.save(iql.checkpoint(digest));
                 saver.finish()?;
                 return Err(TrainError::Interrupted { step: iql.step() });
             }
-            let losses = iql.update(&replay.batch(stream, iql.step(), config.iql.batch));
+            let losses = iql.update(&replay.batch(stream, iql.step(), settings.batch));
             progress.advance(1);
             let step = iql.step();
-            let last = step == config.iql.steps;
+            let last = step == settings.steps;
             if step.is_multiple_of(config.schedule.log_every) || last {
                 let update = losses.read();
                 finite(&update, step)?;
                 let row = OfflineMetrics {
                     update,
-                    actor_rate: config.iql.actor_rate(step),
+                    actor_rate: settings.actor_rate(step),
                 };
                 let row = metrics.push("iql", step, &row)?;
                 events.push("iql", step, &row)?;

@@ -26,23 +26,32 @@ fn values_out_of_range_are_named_by_field_and_range() {
             "discount.sigma is NaN, but must be in [0, 1]",
         ),
         ("discount.gamma=1.01", "discount.gamma is 1.01"),
-        ("iql.tau=0.0", "iql.tau is 0, but must be in (0, 1)"),
-        ("iql.tau=1.0", "iql.tau is 1, but must be in (0, 1)"),
-        ("iql.hidden=[300]", "iql.hidden is [300]"),
         (
-            "iql.log_std=[2.0, -5.0]",
-            "iql.log_std[0] is 2, but must be in (-inf, iql.log_std[1]]",
-        ),
-        ("iql.log_std=[-5.0, nan]", "iql.log_std[1] is NaN"),
-        (
-            "iql.learning_rate=inf",
-            "iql.learning_rate is inf, but must be in (0, inf)",
+            "algorithm.tau=0.0",
+            "algorithm.tau is 0, but must be in (0, 1)",
         ),
         (
-            "iql.adam.beta1=1.0",
-            "iql.adam.beta1 is 1, but must be in [0, 1)",
+            "algorithm.tau=1.0",
+            "algorithm.tau is 1, but must be in (0, 1)",
         ),
-        ("iql.adam.epsilon=0.0", "iql.adam.epsilon is 0"),
+        ("algorithm.hidden=[300]", "algorithm.hidden is [300]"),
+        (
+            "algorithm.log_std=[2.0, -5.0]",
+            "algorithm.log_std[0] is 2, but must be in (-inf, algorithm.log_std[1]]",
+        ),
+        (
+            "algorithm.log_std=[-5.0, nan]",
+            "algorithm.log_std[1] is NaN",
+        ),
+        (
+            "algorithm.learning_rate=inf",
+            "algorithm.learning_rate is inf, but must be in (0, inf)",
+        ),
+        (
+            "algorithm.adam.beta1=1.0",
+            "algorithm.adam.beta1 is 1, but must be in [0, 1)",
+        ),
+        ("algorithm.adam.epsilon=0.0", "algorithm.adam.epsilon is 0"),
         ("reward.adam.beta2=-0.1", "reward.adam.beta2 is -0.1"),
         ("reward.learning_rate=inf", "reward.learning_rate is inf"),
         (
@@ -62,7 +71,7 @@ fn values_out_of_range_are_named_by_field_and_range() {
 fn unknown_keys_are_named_wherever_they_stand() {
     let desk = Desk::with_dataset();
     for set in [
-        "iql.stepz=5",
+        "algorithm.stepz=5",
         "stepz=5",
         "discount.stepz=5",
         "reward.stepz=5",
@@ -74,7 +83,7 @@ fn unknown_keys_are_named_wherever_they_stand() {
             .telling(set);
     }
     let file = desk.folder.path().join("mine.toml");
-    fs::write(&file, "[iql]\nstepz = 5\n").unwrap();
+    fs::write(&file, "[algorithm]\nstepz = 5\n").unwrap();
     finish(
         desk.train("run", "true", &[])
             .args(["--config", "mine.toml"]),
@@ -82,7 +91,7 @@ fn unknown_keys_are_named_wherever_they_stand() {
     .with(3)
     .telling("mine.toml")
     .telling("unknown field `stepz`");
-    fs::write(&file, "[iql\n").unwrap();
+    fs::write(&file, "[algorithm\n").unwrap();
     finish(
         desk.train("run", "true", &[])
             .args(["--config", "mine.toml"]),
@@ -140,13 +149,13 @@ fn a_config_that_was_edited_by_hand_into_nonsense_is_named() {
     fs::write(&path, config.replace("tau = 0.7", "tau = 7.0")).unwrap();
     finish(&mut desk.train("run", "true", &[]))
         .with(3)
-        .telling("iql.tau is 7");
+        .telling("algorithm.tau is 7");
 }
 
 #[test]
 fn rewards_that_make_the_losses_overflow_are_named_and_not_exported() {
     let desk = Desk::with_dataset();
-    let sets = ["iql.learning_rate=1e30"];
+    let sets = ["algorithm.learning_rate=1e30"];
     finish(&mut desk.train("run", "true", &sets))
         .with(1)
         .telling("loss is not finite after");

@@ -9,9 +9,9 @@ use tempfile::TempDir;
 
 /// A small run: every phase, nothing that takes long, no flight.
 const SMALL: [&str; 12] = [
-    "iql.hidden=[32, 32]",
-    "iql.batch=16",
-    "iql.steps=60",
+    "algorithm.hidden=[32, 32]",
+    "algorithm.batch=16",
+    "algorithm.steps=60",
     "schedule.log_every=3",
     "schedule.checkpoint_every=7",
     "schedule.evaluation_episodes=0",

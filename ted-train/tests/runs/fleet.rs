@@ -58,7 +58,7 @@ fn a_run_has_the_same_bytes_alone_and_in_any_company() {
 fn a_fleet_that_is_stopped_goes_on_to_the_same_bytes() {
     let desk = Desk::with_dataset();
     // No checkpoint falls due: those that are there were made for the stop.
-    let sets = ["iql.steps=2000", "schedule.checkpoint_every=100000"];
+    let sets = ["algorithm.steps=2000", "schedule.checkpoint_every=100000"];
     let mut straight = fleet(&desk, "straight", &sets);
     finish(&mut straight).with(0);
     let mut stopped = fleet(&desk, "stopped", &sets);

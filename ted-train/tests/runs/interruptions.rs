@@ -15,7 +15,7 @@ fn a_run_killed_again_and_again_ends_with_the_bytes_of_one_that_was_left_alone()
     let desk = Desk::with_dataset();
     // Long enough to be caught at work: the last kill finds most of the updates still to do.
     let sets = [
-        "iql.steps=3000",
+        "algorithm.steps=3000",
         "schedule.checkpoint_every=20",
         "reward.epochs=100",
     ];
@@ -81,7 +81,7 @@ fn a_run_asked_to_stop_saves_says_so_and_goes_on_to_the_same_bytes() {
     let desk = Desk::with_dataset();
     // No checkpoint falls due: the one that is there was made for the stop.
     let sets = [
-        "iql.steps=3000",
+        "algorithm.steps=3000",
         "schedule.checkpoint_every=100000",
         "schedule.log_every=5",
     ];
@@ -117,11 +117,11 @@ fn a_run_asked_to_stop_while_it_learns_the_reward_keeps_the_answers() {
 #[test]
 fn a_second_process_on_the_same_folder_is_turned_away_and_disturbs_nothing() {
     let desk = Desk::with_dataset();
-    let mut endless = desk.train("run", "true", &["iql.steps=100000000"]);
+    let mut endless = desk.train("run", "true", &["algorithm.steps=100000000"]);
     let metrics = desk.run("run").join("metrics.jsonl");
     let first = start_until(&mut endless, || lines(&metrics) >= 2);
     let config = fs::read(desk.run("run").join("config.toml")).unwrap();
-    for sets in [&["iql.steps=100000000"], &["iql.steps=10"]] {
+    for sets in [&["algorithm.steps=100000000"], &["algorithm.steps=10"]] {
         finish(&mut desk.train("run", "true", sets))
             .with(5)
             .telling("another process is writing to")
@@ -137,7 +137,7 @@ fn a_second_process_on_the_same_folder_is_turned_away_and_disturbs_nothing() {
 #[test]
 fn a_damaged_newest_checkpoint_is_passed_over_for_the_one_before() {
     let desk = Desk::with_dataset();
-    let train = |out: &str| desk.train(out, "true", &["iql.steps=60"]);
+    let train = |out: &str| desk.train(out, "true", &["algorithm.steps=60"]);
     finish(&mut train("straight")).with(0);
     finish(&mut train("run")).with(0);
     let run = desk.run("run");
@@ -157,7 +157,7 @@ fn a_folder_of_another_run_is_refused_and_left_as_it_is() {
     let desk = Desk::with_dataset();
     finish(&mut desk.train("run", "true", &[])).with(0);
     let before = crate::command::outcome(&desk.run("run"));
-    finish(&mut desk.train("run", "true", &["iql.tau=0.9"]))
+    finish(&mut desk.train("run", "true", &["algorithm.tau=0.9"]))
         .with(2)
         .telling("tau = 0.7")
         .telling("tau = 0.9");

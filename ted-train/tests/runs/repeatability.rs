@@ -11,9 +11,9 @@ fn the_number_of_threads_does_not_show_in_any_byte() {
     let desk = Desk::with_dataset();
     // The widths of a real run, so that the work is split between threads where it ever is.
     let sets = [
-        "iql.hidden=[256, 256]",
-        "iql.batch=256",
-        "iql.steps=12",
+        "algorithm.hidden=[256, 256]",
+        "algorithm.batch=256",
+        "algorithm.steps=12",
         "reward.hidden=[256, 256]",
         "reward.epochs=4",
     ];

@@ -109,8 +109,8 @@ fn the_trainer_s_evaluation_firmware_sim_fly_and_a_cortex_m_agree_to_the_bit() {
         "2",
     ]);
     for set in [
-        "iql.steps=50",
-        "iql.hidden=[32]",
+        "algorithm.steps=50",
+        "algorithm.hidden=[32]",
         "schedule.evaluation_episodes=2",
     ] {
         train.args(["--set", set]);

@@ -15,6 +15,7 @@ use firmware_sim::rollout::{Summary, episode_seeds, fly, fly_episode};
 use rand::RngExt;
 use ted_core::Scratch;
 use ted_policy::{Artifact, ArtifactBytes};
+use ted_train::algorithm::AlgorithmConfig;
 use ted_train::config::{Config, Preset, Schedule};
 use ted_train::dataset::{Dataset, EpisodeRecord, Shape};
 use ted_train::iql::IqlConfig;
@@ -62,13 +63,13 @@ fn recording(seed: u64) -> EpisodeRecord {
 
 fn config() -> Config {
     Config {
-        iql: IqlConfig {
+        algorithm: AlgorithmConfig::Iql(IqlConfig {
             steps: 4000,
             batch: 128,
             hidden: vec![64, 64],
             learning_rate: 1e-3,
             ..IqlConfig::default()
-        },
+        }),
         schedule: Schedule {
             evaluation_episodes: 0,
             ..Schedule::default()
