@@ -10,6 +10,7 @@ mod failures;
 mod fleet_report;
 mod inspect;
 mod locate;
+mod presets;
 mod quickstart;
 mod seeds;
 mod study;

@@ -9,7 +9,7 @@ use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
-use crate::config::{Overrides, Preset};
+use crate::config::Overrides;
 use crate::fleet::{self, Crew, Datasets, Lane, Trained};
 use crate::run::RunFolder;
 use crate::train::{Watch, check};
@@ -18,12 +18,14 @@ use super::eval::text;
 use super::failures::end;
 use super::fleet_report::FleetReport;
 use super::locate::{dataset_path, no_dataset, run_folder};
+use super::presets::{self, PresetArg};
 use super::seeds::Seeds;
 
 const EXAMPLES: &str = "\
 Examples:
   ted train drawer-open-v3                                   the method, with the paper's constants
   ted train drawer-open-v3 --preset true --seed 2            true rewards, another seed
+  ted train --preset list                                    every preset, what it is for and where it comes from
   ted train drawer-open-v3 --set algorithm.steps=50000 --set discount.sigma=0.5
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
   ted train drawer-open-v3,box-close-v3 --preset oprl-i,oprl-i+ted --seeds 0..6      a fleet of 24 runs
@@ -38,14 +40,14 @@ A stopped run goes on with the same command; a fleet does what is missing.";
 #[command(after_help = EXAMPLES)]
 pub(super) struct TrainArgs {
     /// Dataset folders, Minari ids, or tasks that `ted collect` has collected
-    #[arg(value_delimiter = ',', required_unless_present = "task")]
+    #[arg(value_delimiter = ',')]
     datasets: Vec<String>,
     /// Tasks that were collected: another way to name their datasets
     #[arg(long, value_delimiter = ',', value_name = "TASK")]
     task: Vec<String>,
     /// The compositions of reward source, discount and algorithm; that of --config, or oprl-i+ted, if not given
-    #[arg(long, value_enum, value_delimiter = ',')]
-    preset: Vec<Preset>,
+    #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true)]
+    preset: Vec<PresetArg>,
     /// Root of all randomness; that of --config, or 0, if not given
     #[arg(long)]
     seed: Option<u64>,
@@ -75,6 +77,10 @@ pub(super) struct TrainArgs {
 }
 
 pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
+    if args.preset.contains(&PresetArg::List) {
+        let all = presets::compositions();
+        return args.output.print(&all, || presets::text(&all));
+    }
     let datasets = Datasets::default();
     let lanes = plan(args, &datasets)?;
     let audience = args.output.audience();
@@ -130,13 +136,23 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     }
     let presets = match args.preset.as_slice() {
         [] => vec![None],
-        some => some.iter().copied().map(Some).collect(),
+        some => some
+            .iter()
+            .filter_map(|one| one.preset())
+            .map(Some)
+            .collect(),
     };
     let seeds = match &args.seeds {
         Some(Seeds(seeds)) => seeds.iter().copied().map(Some).collect(),
         None => vec![args.seed],
     };
     let names: Vec<&String> = args.datasets.iter().chain(&args.task).collect();
+    if names.is_empty() {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            "train on what? name a dataset's folder, its Minari id, or a task that `ted collect` has collected",
+        ));
+    }
     if args.preferences.is_some() && names.len() > 1 {
         return Err(Failure::new(
             ExitCode::Usage,

@@ -9,7 +9,7 @@ mod ranges;
 
 pub use error::ConfigError;
 pub use overrides::Overrides;
-pub use preset::Preset;
+pub use preset::{Preset, Row, TABLE};
 
 use serde::{Deserialize, Serialize};
 

@@ -159,6 +159,7 @@ fn same_kind(old: &Table, new: &Table) -> bool {
 mod tests {
     use super::*;
     use crate::algorithm::AlgorithmConfig;
+    use crate::config::TABLE;
     use crate::ted::DiscountConfig;
 
     fn resolve(sets: &[&str]) -> Result<Config, ConfigError> {
@@ -201,14 +202,8 @@ mod tests {
 
     #[test]
     fn every_preset_survives_writing_and_reading() {
-        for preset in [
-            Preset::True,
-            Preset::Zero,
-            Preset::Random,
-            Preset::OprlI,
-            Preset::OprlITed,
-        ] {
-            let config = preset.config();
+        for row in &TABLE {
+            let config = row.preset.config();
             assert_eq!(toml::from_str::<Config>(&config.to_toml()).unwrap(), config);
         }
     }

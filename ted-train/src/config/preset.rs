@@ -1,6 +1,7 @@
-//! Named compositions: the rows of the paper's tables.
+//! Named compositions: the rows of the paper's tables, and those that a result has to be seen beside.
 
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
 use crate::algorithm::AlgorithmConfig;
@@ -12,42 +13,128 @@ use crate::ted::DiscountConfig;
 
 use super::{Config, Schedule};
 
-/// A named composition of reward source, discount and offline algorithm.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+/// A named composition of reward source, discount and offline algorithm; [`TABLE`] says what each is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "&'static str", try_from = "String")]
+#[expect(missing_docs, reason = "the table says it once")]
 pub enum Preset {
-    /// The dataset's own rewards, IQL: the upper reference.
     True,
-    /// Zero rewards, IQL: what pessimism alone reaches.
+    TrueTed,
     Zero,
-    /// Random rewards, IQL: the lower reference.
+    ZeroTed,
     Random,
-    /// OPRL's reward ensemble from ten answers, IQL.
-    #[value(name = "oprl-i")]
+    RandomTed,
+    Negative,
+    NegativeTed,
     OprlI,
-    /// The same with transition-dependent discounting: the method.
     #[default]
-    #[serde(rename = "oprl-i+ted")]
-    #[value(name = "oprl-i+ted")]
     OprlITed,
 }
+
+/// What there is to say about a preset.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Row {
+    /// The preset.
+    pub preset: Preset,
+    /// What it is for.
+    pub purpose: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    #[serde(skip)]
+    name: &'static str,
+}
+
+const fn row(
+    preset: Preset,
+    name: &'static str,
+    purpose: &'static str,
+    source: &'static str,
+) -> Row {
+    Row {
+        preset,
+        purpose,
+        source,
+        name,
+    }
+}
+
+const SURVIVAL: &str = "Li et al. 2023 (survival instinct); paper, section 5";
+const SANITY: &str = "ours: TED must not pretend to know more than its rewards";
+
+/// Every preset, in the order of the enum.
+pub const TABLE: [Row; 10] = [
+    row(
+        Preset::True,
+        "true",
+        "the dataset's own rewards: what perfect labels reach",
+        "paper, Table 4",
+    ),
+    row(
+        Preset::TrueTed,
+        "true+ted",
+        "the same with TED, which must not harm them",
+        "paper, Tables 11 and 12",
+    ),
+    row(
+        Preset::Zero,
+        "zero",
+        "no reward at all: what pessimism alone reaches",
+        SURVIVAL,
+    ),
+    row(Preset::ZeroTed, "zero+ted", "the same with TED", SANITY),
+    row(
+        Preset::Random,
+        "random",
+        "uniform noise: what a reward without information reaches",
+        "paper, Table 4",
+    ),
+    row(Preset::RandomTed, "random+ted", "the same with TED", SANITY),
+    row(
+        Preset::Negative,
+        "negative",
+        "the dataset's rewards turned round: how far a wrong reward leads",
+        SURVIVAL,
+    ),
+    row(
+        Preset::NegativeTed,
+        "negative+ted",
+        "the same with TED",
+        SANITY,
+    ),
+    row(
+        Preset::OprlI,
+        "oprl-i",
+        "OPRL's reward ensemble from ten answers, IQL",
+        "paper, Table 4; Shin et al. 2023",
+    ),
+    row(
+        Preset::OprlITed,
+        "oprl-i+ted",
+        "the same with transition-dependent discounting: the method",
+        "paper, Table 4",
+    ),
+];
 
 impl Preset {
     /// The composition with every default.
     #[must_use]
     pub fn config(self) -> Config {
-        let (reward, discount) = match self {
-            Self::True => (RewardConfig::True {}, DiscountConfig::CONSTANT),
-            Self::Zero => (RewardConfig::Zero {}, DiscountConfig::CONSTANT),
-            Self::Random => (RewardConfig::Random {}, DiscountConfig::CONSTANT),
-            Self::OprlI => (
-                RewardConfig::Oprl(OprlConfig::default()),
-                DiscountConfig::CONSTANT,
-            ),
-            Self::OprlITed => (
-                RewardConfig::Oprl(OprlConfig::default()),
-                DiscountConfig::TED,
-            ),
+        let reward = match self {
+            Self::True | Self::TrueTed => RewardConfig::True {},
+            Self::Zero | Self::ZeroTed => RewardConfig::Zero {},
+            Self::Random | Self::RandomTed => RewardConfig::Random {},
+            Self::Negative | Self::NegativeTed => RewardConfig::Negative {},
+            Self::OprlI | Self::OprlITed => RewardConfig::Oprl(OprlConfig::default()),
+        };
+        let discount = match self {
+            Self::True | Self::Zero | Self::Random | Self::Negative | Self::OprlI => {
+                DiscountConfig::CONSTANT
+            }
+            Self::TrueTed
+            | Self::ZeroTed
+            | Self::RandomTed
+            | Self::NegativeTed
+            | Self::OprlITed => DiscountConfig::TED,
         };
         Config {
             preset: self,
@@ -61,16 +148,54 @@ impl Preset {
         }
     }
 
+    /// Its row of the table.
+    #[must_use]
+    pub fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
+
     /// The name as it is written on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::True => "true",
-            Self::Zero => "zero",
-            Self::Random => "random",
-            Self::OprlI => "oprl-i",
-            Self::OprlITed => "oprl-i+ted",
-        }
+        self.row().name
+    }
+}
+
+impl From<Preset> for &'static str {
+    fn from(preset: Preset) -> Self {
+        preset.name()
+    }
+}
+
+impl TryFrom<String> for Preset {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let row = TABLE.iter().find(|row| row.name == name);
+        row.map(|row| row.preset).ok_or_else(|| {
+            format!(
+                "no preset is called {name:?}: `ted train --preset list` prints those there are"
+            )
+        })
+    }
+}
+
+impl ValueEnum for Preset {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [Preset; TABLE.len()] = {
+            let mut all = [Preset::True; TABLE.len()];
+            let mut i = 0;
+            while i < all.len() {
+                all[i] = TABLE[i].preset;
+                i += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.row().purpose))
     }
 }
 
@@ -78,6 +203,15 @@ impl Preset {
 mod tests {
     use super::*;
     use crate::nn::Adam;
+
+    #[test]
+    fn every_preset_has_its_own_row_and_name() {
+        for (i, row) in TABLE.iter().enumerate() {
+            assert_eq!(row.preset as usize, i, "{}", row.name);
+            assert_eq!(Preset::try_from(row.name.to_owned()), Ok(row.preset));
+        }
+        assert!(Preset::try_from("list".to_owned()).is_err());
+    }
 
     #[test]
     fn the_default_is_the_paper_s_setting_with_the_constants_of_the_methods_it_builds_on() {

@@ -14,6 +14,8 @@ pub enum RewardConfig {
     Zero {},
     /// Uniform noise: what a reward without information reaches.
     Random {},
+    /// The dataset's own rewards with the other sign: how far a wrong reward leads.
+    Negative {},
     /// An ensemble learned from preferences.
     Oprl(OprlConfig),
 }

@@ -69,6 +69,12 @@ pub fn zero_labels(dataset: &Dataset) -> Vec<f32> {
     vec![0.0; dataset.step_count()]
 }
 
+/// The dataset's own rewards with the other sign.
+#[must_use]
+pub fn negative_labels(dataset: &Dataset) -> Vec<f32> {
+    dataset.rewards_true().iter().map(|r| -r).collect()
+}
+
 /// Uniform noise in [0, 1).
 #[must_use]
 pub fn random_labels(dataset: &Dataset, seed: Seed) -> Vec<f32> {

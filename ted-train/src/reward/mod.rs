@@ -10,4 +10,6 @@ pub mod oprl;
 pub mod quality;
 
 pub use config::RewardConfig;
-pub use labels::{Labels, dataset_labels, ensemble_labels, random_labels, zero_labels};
+pub use labels::{
+    Labels, dataset_labels, ensemble_labels, negative_labels, random_labels, zero_labels,
+};

@@ -14,7 +14,8 @@ use crate::reward::oprl::{
 };
 use crate::reward::quality::RewardQuality;
 use crate::reward::{
-    Labels, RewardConfig, dataset_labels, ensemble_labels, random_labels, zero_labels,
+    Labels, RewardConfig, dataset_labels, ensemble_labels, negative_labels, random_labels,
+    zero_labels,
 };
 use crate::rng::Seed;
 use crate::run::{PREFERENCES, RunError, RunFolder};
@@ -109,6 +110,7 @@ fn label(
         RewardConfig::True {} => (dataset_labels(dataset), None),
         RewardConfig::Zero {} => (zero_labels(dataset), None),
         RewardConfig::Random {} => (random_labels(dataset, root.child("reward/random")), None),
+        RewardConfig::Negative {} => (negative_labels(dataset), None),
         RewardConfig::Oprl(oprl) => {
             let (ensemble, facts) = ensemble(oprl)?;
             audience.note("label the dataset with the ensemble");
