@@ -58,8 +58,8 @@ const fn row(
     }
 }
 
-const SURVIVAL: &str = "Li et al. 2023 (survival instinct); paper, section 5";
-const SANITY: &str = "ours: TED must not pretend to know more than its rewards";
+const SURVIVAL: &str = "Li et al. 2023, on the survival instinct";
+const SANITY: &str = "ours: TED must not make something of nothing";
 
 /// Every preset, in the order of the enum.
 pub const TABLE: [Row; 10] = [
@@ -73,7 +73,7 @@ pub const TABLE: [Row; 10] = [
         Preset::TrueTed,
         "true+ted",
         "the same with TED, which must not harm them",
-        "paper, Tables 11 and 12",
+        "paper, Table 12",
     ),
     row(
         Preset::Zero,
@@ -86,7 +86,7 @@ pub const TABLE: [Row; 10] = [
         Preset::Random,
         "random",
         "uniform noise: what a reward without information reaches",
-        "paper, Table 4",
+        "paper, Table 8",
     ),
     row(Preset::RandomTed, "random+ted", "the same with TED", SANITY),
     row(
