@@ -108,7 +108,7 @@ impl Actor {
             &[Seed::root(config.seed)],
             backend,
         );
-        iql.restore(checkpoint)?;
+        iql.restore(&[checkpoint])?;
         Ok(Self { iql })
     }
 

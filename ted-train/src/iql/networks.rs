@@ -76,7 +76,13 @@ impl Iql {
         }
     }
 
-    /// Updates made so far.
+    /// Lanes that learn side by side.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        self.log_std.dims()[0]
+    }
+
+    /// Updates made so far, the same number in every lane.
     #[must_use]
     pub fn step(&self) -> u64 {
         self.step

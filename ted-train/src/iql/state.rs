@@ -1,4 +1,4 @@
-//! Saving and restoring a learner, to the bit.
+//! Saving and restoring a learner, lane by lane and to the bit.
 
 use burn::tensor::Tensor;
 
@@ -8,34 +8,35 @@ use crate::run::{Checkpoint, ForeignCheckpoint};
 use super::Iql;
 
 impl Iql {
-    /// Everything that the next update depends on.
+    /// Everything that the next update of a lane depends on: the same whatever lanes are beside it.
     #[must_use]
-    pub fn checkpoint(&self, config_digest: [u8; 32]) -> Checkpoint {
+    pub fn checkpoint(&self, lane: usize, config_digest: [u8; 32]) -> Checkpoint {
         let mut checkpoint = Checkpoint {
             config_digest,
             step: self.step,
             tensors: Vec::new(),
         };
-        let mut copy = self.clone();
+        let (lanes, mut copy) = (self.lanes(), self.clone());
         copy.for_each_tensor(|name, tensor| {
-            checkpoint.push(name, tensor);
+            checkpoint.push(name, tensor, lane, lanes);
             Ok::<(), ForeignCheckpoint>(())
         })
         .unwrap_or_else(|error| unreachable!("pushing cannot fail: {error}"));
         checkpoint
     }
 
-    /// Puts a saved state in the place of this one.
+    /// Puts saved states in the place of this one: a checkpoint of each lane, all after the same update.
     ///
     /// # Errors
-    /// When the checkpoint lacks a tensor or has another shape; the learner must not be used then.
-    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), ForeignCheckpoint> {
+    /// When they are not, or one lacks a tensor or has another shape; the learner must not be used then.
+    pub fn restore(&mut self, lanes: &[&Checkpoint]) -> Result<(), ForeignCheckpoint> {
+        let step = Checkpoint::common_step(lanes, self.lanes())?;
         let device = self.device.clone();
         self.for_each_tensor(|name, tensor| {
-            *tensor = checkpoint.fetch(&name, tensor, &device)?;
+            *tensor = Checkpoint::fetch(lanes, &name, tensor, &device)?;
             Ok(())
         })?;
-        self.step = checkpoint.step;
+        self.step = step;
         Ok(())
     }
 

@@ -20,7 +20,24 @@ pub struct Batch {
     pub discounts: Vec<f32>,
 }
 
-/// Losses and means of one update, averaged over lanes.
+impl Batch {
+    /// The batches of several lanes as one.
+    #[must_use]
+    pub fn of_lanes(lanes: Vec<Self>) -> Self {
+        let mut lanes = lanes.into_iter();
+        let mut all = lanes.next().unwrap_or_default();
+        for lane in lanes {
+            all.observations.extend(lane.observations);
+            all.next_observations.extend(lane.next_observations);
+            all.actions.extend(lane.actions);
+            all.rewards.extend(lane.rewards);
+            all.discounts.extend(lane.discounts);
+        }
+        all
+    }
+}
+
+/// Losses and means of one update of one lane.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct UpdateMetrics {
     /// Expectile loss of V.
@@ -46,7 +63,7 @@ impl Iql {
     }
 
     fn update_here(&mut self, batch: &Batch) -> Losses {
-        let lanes = self.log_std.dims()[0];
+        let lanes = self.lanes();
         let rows = batch.rewards.len() / lanes;
         let tensor = |data: &[f32]| -> Tensor<3> {
             let width = data.len() / (lanes * rows);
@@ -145,18 +162,32 @@ pub struct Losses {
 }
 
 impl Losses {
-    /// Fetches the numbers.
+    /// Fetches the numbers of each lane.
     #[must_use]
-    pub fn read(self) -> UpdateMetrics {
-        let mean = |t: Tensor<3>| t.mean().into_scalar::<f32>();
-        UpdateMetrics {
-            value_loss: mean(self.value_loss),
-            policy_loss: mean(self.policy_loss),
-            critic_loss: mean(self.critic_loss),
-            value: mean(self.value),
-            advantage: mean(self.advantage),
-        }
+    pub fn read(self) -> Vec<UpdateMetrics> {
+        let lanes = self.value.dims()[0];
+        let value_loss = means(self.value_loss, lanes);
+        let policy_loss = means(self.policy_loss, lanes);
+        let critic_loss = means(self.critic_loss, lanes);
+        let value = means(self.value, lanes);
+        let advantage = means(self.advantage, lanes);
+        let of_lane = |lane| UpdateMetrics {
+            value_loss: value_loss[lane],
+            policy_loss: policy_loss[lane],
+            critic_loss: critic_loss[lane],
+            value: value[lane],
+            advantage: advantage[lane],
+        };
+        (0..lanes).map(of_lane).collect()
     }
+}
+
+/// The mean of each lane's share of a tensor whose first axis goes lane by lane.
+fn means(tensor: Tensor<3>, lanes: usize) -> Vec<f32> {
+    let share = tensor.shape().num_elements() / lanes;
+    let means = tensor.reshape([lanes, share]).mean_dim(1);
+    let means = means.into_data().try_to_vec();
+    means.expect("a float tensor holds f32")
 }
 
 /// `[lane, batch, w] -> [lane * heads, batch, w]`, or unchanged for one lane, which broadcasts.

@@ -14,7 +14,8 @@ pub struct NamedTensor {
     pub values: Vec<f32>,
 }
 
-/// The state of a learner after some number of updates.
+/// The state of one lane of a learner after some number of updates. It says nothing about the others: a run can be begun in
+/// company and gone on with alone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Digest of the configuration that it belongs to.
@@ -25,52 +26,88 @@ pub struct Checkpoint {
     pub tensors: Vec<NamedTensor>,
 }
 
-/// A checkpoint that holds other tensors than this learner has.
+/// Checkpoints that a learner cannot go on from.
 #[derive(Debug, thiserror::Error)]
-#[error("the checkpoint has no {name} of shape {shape:?}: it belongs to another configuration")]
-pub struct ForeignCheckpoint {
-    /// The tensor looked for.
-    pub name: String,
-    /// Its shape.
-    pub shape: Vec<usize>,
+pub enum ForeignCheckpoint {
+    /// One holds other tensors than this learner has.
+    #[error("the checkpoint has no {name} of shape {shape:?}: it belongs to another configuration")]
+    Tensor {
+        /// The tensor looked for.
+        name: String,
+        /// Its shape.
+        shape: Vec<usize>,
+    },
+    /// Lanes that are at different updates, or another number of lanes.
+    #[error(
+        "a learner of {lanes} lanes goes on from a checkpoint of each, all after the same update, not after updates {steps:?}"
+    )]
+    Lanes {
+        /// Lanes of the learner.
+        lanes: usize,
+        /// Updates of the checkpoints.
+        steps: Vec<u64>,
+    },
 }
 
 impl Checkpoint {
-    /// Adds a tensor.
-    pub(crate) fn push<const D: usize>(&mut self, name: String, tensor: &Tensor<D>) {
-        let values = tensor
-            .clone()
-            .into_data()
-            .try_to_vec()
-            .expect("a float tensor holds f32");
+    /// Adds what belongs to lane `lane` of `lanes` in a tensor whose first axis goes lane by lane.
+    pub(crate) fn push<const D: usize>(
+        &mut self,
+        name: String,
+        tensor: &Tensor<D>,
+        lane: usize,
+        lanes: usize,
+    ) {
+        let members = tensor.dims()[0] / lanes;
+        let own = tensor.clone().narrow(0, lane * members, members);
+        let shape = own.dims().to_vec();
+        let values = own.into_data().try_to_vec();
         self.tensors.push(NamedTensor {
             name,
-            shape: tensor.dims().to_vec(),
-            values,
+            shape,
+            values: values.expect("a float tensor holds f32"),
         });
     }
 
-    /// Fetches the tensor of this name with the shape of `like`.
+    /// The tensor of this name from a checkpoint of each lane, lane by lane, with the shape of `like`.
     pub(crate) fn fetch<const D: usize>(
-        &self,
+        lanes: &[&Self],
         name: &str,
         like: &Tensor<D>,
         device: &Device,
     ) -> Result<Tensor<D>, ForeignCheckpoint> {
         let shape = like.dims();
-        let found = self
-            .tensors
-            .iter()
-            .find(|t| t.name == name && t.shape == shape);
-        let size = shape.iter().product::<usize>();
-        match found.filter(|t| t.values.len() == size) {
-            Some(tensor) => Ok(Tensor::from_data(
-                TensorData::new(tensor.values.clone(), shape),
-                device,
-            )),
-            None => Err(ForeignCheckpoint {
-                name: name.to_owned(),
-                shape: shape.to_vec(),
+        let mut own = shape;
+        own[0] /= lanes.len();
+        let size = own.iter().product::<usize>();
+        let mut values = Vec::with_capacity(size * lanes.len());
+        for lane in lanes {
+            let mut tensors = lane.tensors.iter();
+            let found = tensors.find(|t| t.name == name && t.shape == own);
+            match found.filter(|t| t.values.len() == size) {
+                Some(tensor) => values.extend_from_slice(&tensor.values),
+                None => {
+                    return Err(ForeignCheckpoint::Tensor {
+                        name: name.to_owned(),
+                        shape: own.to_vec(),
+                    });
+                }
+            }
+        }
+        Ok(Tensor::from_data(TensorData::new(values, shape), device))
+    }
+
+    /// The update after which all lanes of a learner go on.
+    pub(crate) fn common_step(lanes: &[&Self], learner: usize) -> Result<u64, ForeignCheckpoint> {
+        match lanes {
+            [first, rest @ ..]
+                if lanes.len() == learner && rest.iter().all(|l| l.step == first.step) =>
+            {
+                Ok(first.step)
+            }
+            _ => Err(ForeignCheckpoint::Lanes {
+                lanes: learner,
+                steps: lanes.iter().map(|lane| lane.step).collect(),
             }),
         }
     }

@@ -48,7 +48,7 @@ impl FinishedRun {
             &[Seed::root(config.seed).child("iql")],
             config.backend,
         );
-        iql.restore(&checkpoint).map_err(RunError::from)?;
+        iql.restore(&[&checkpoint]).map_err(RunError::from)?;
         let rewards = rewards::relabel(dataset, &config, folder, audience)?;
         let ted = config
             .discount

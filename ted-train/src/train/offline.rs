@@ -62,7 +62,7 @@ pub(super) fn learn(
         config.backend,
     );
     if let Some(checkpoint) = folder.newest_checkpoint(config, watch.audience()) {
-        iql.restore(&checkpoint).map_err(RunError::from)?;
+        iql.restore(&[&checkpoint]).map_err(RunError::from)?;
     }
     let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;
     let mut events = EventWriter::create(folder.path(), iql.step())?;
@@ -75,7 +75,7 @@ pub(super) fn learn(
         while iql.step() < settings.steps {
             if interrupt::requested() {
                 // Whether it was handed over is seen at the end.
-                let _ = saver.save(iql.checkpoint(digest));
+                let _ = saver.save(iql.checkpoint(0, digest));
                 saver.finish()?;
                 return Err(TrainError::Interrupted { step: iql.step() });
             }
@@ -84,7 +84,7 @@ pub(super) fn learn(
             let step = iql.step();
             let last = step == settings.steps;
             if step.is_multiple_of(config.schedule.log_every) || last {
-                let update = losses.read();
+                let update = losses.read().swap_remove(0);
                 finite(&update, step)?;
                 let row = OfflineMetrics {
                     update,
@@ -95,7 +95,7 @@ pub(super) fn learn(
                 progress.say(&format!("value {:.3}", update.value));
             }
             let due = step.is_multiple_of(config.schedule.checkpoint_every) || last;
-            if due && !saver.save(iql.checkpoint(digest)) {
+            if due && !saver.save(iql.checkpoint(0, digest)) {
                 break;
             }
         }

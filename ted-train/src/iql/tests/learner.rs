@@ -3,20 +3,19 @@
 use crate::iql::{Iql, IqlConfig};
 use crate::nn::Backend;
 use crate::nn::fixtures::{BACKENDS, assert_close, bits, values, wide};
-use crate::nn::scalar::flat;
 use crate::rng::Seed;
 use crate::run::Checkpoint;
 
 use super::{batch, config, learner};
 
-/// Every number that the learner has, by tensor.
-fn state(iql: &Iql) -> Vec<(String, Vec<f32>)> {
-    let Checkpoint { tensors, .. } = iql.checkpoint([0; 32]);
+/// Every number that a lane has, by tensor.
+fn state(iql: &Iql, lane: usize) -> Vec<(String, Vec<f32>)> {
+    let Checkpoint { tensors, .. } = iql.checkpoint(lane, [0; 32]);
     tensors.into_iter().map(|t| (t.name, t.values)).collect()
 }
 
-fn state_bits(iql: &Iql) -> Vec<(String, Vec<u32>)> {
-    let state = state(iql).into_iter();
+fn state_bits(iql: &Iql, lane: usize) -> Vec<(String, Vec<u32>)> {
+    let state = state(iql, lane).into_iter();
     state.map(|(name, values)| (name, bits(&values))).collect()
 }
 
@@ -81,37 +80,56 @@ fn lanes_side_by_side_learn_to_the_bit_what_each_learns_alone() {
             }
         }
         for (lane, alone) in alone.iter().enumerate() {
-            let equal = |name: &str, there: Vec<f32>, here: Vec<f32>| {
-                assert_eq!(
-                    bits(&there),
-                    bits(&here),
-                    "{backend:?}, {name} of lane {lane}"
-                );
-            };
-            equal(
-                "value",
-                flat(&together.value.parameters.layers(), lane),
-                flat(&alone.value.parameters.layers(), 0),
-            );
-            equal(
-                "actor",
-                flat(&together.actor.parameters.layers(), lane),
-                flat(&alone.actor.parameters.layers(), 0),
-            );
-            for head in 0..2 {
-                let member = 2 * lane + head;
-                equal(
-                    "critic",
-                    flat(&together.critic.parameters.layers(), member),
-                    flat(&alone.critic.parameters.layers(), head),
-                );
-                equal(
-                    "target",
-                    flat(&together.target.parameters.layers(), member),
-                    flat(&alone.target.parameters.layers(), head),
-                );
-            }
+            let (there, here) = (state_bits(&together, lane), state_bits(alone, 0));
+            assert_eq!(there, here, "{backend:?}, lane {lane}");
+            assert_eq!(together.actors()[lane], alone.actors()[0]);
         }
+    }
+}
+
+#[test]
+fn a_lane_begun_in_company_goes_on_alone_and_in_other_company_to_the_bit() {
+    for backend in BACKENDS {
+        let mut straight = learner(&config(), &[2], backend);
+        let mut begun = learner(&config(), &[1, 2, 3], backend);
+        for step in 0..5 {
+            straight.update(&batch(&[2], step));
+            begun.update(&batch(&[1, 2, 3], step));
+        }
+        let [first, second, third] = [0, 1, 2].map(|lane| begun.checkpoint(lane, [7; 32]));
+        // Other seeds, so that whatever is not restored shows.
+        let mut alone = learner(&config(), &[9], backend);
+        alone.restore(&[&second]).unwrap();
+        let mut turned = learner(&config(), &[8, 9], backend);
+        turned.restore(&[&third, &second]).unwrap();
+        for step in 5..10 {
+            straight.update(&batch(&[2], step));
+            alone.update(&batch(&[2], step));
+            turned.update(&batch(&[3, 2], step));
+        }
+        let expected = state_bits(&straight, 0);
+        assert_eq!(state_bits(&alone, 0), expected, "{backend:?}");
+        assert_eq!(state_bits(&turned, 1), expected, "{backend:?}");
+        assert_ne!(first, second);
+    }
+}
+
+#[test]
+fn a_lane_that_is_no_number_any_more_leaves_the_bits_of_the_others() {
+    for backend in BACKENDS {
+        let mut alone = learner(&config(), &[1], backend);
+        let mut together = learner(&config(), &[2, 1, 3], backend);
+        for step in 0..5 {
+            alone.update(&batch(&[1], step));
+            let mut all = batch(&[2, 1, 3], step);
+            all.rewards[0] = f32::NAN;
+            all.observations[0] = f32::INFINITY;
+            let losses = together.update(&all).read();
+            assert!(losses[0].critic_loss.is_nan());
+            assert!(losses[1].critic_loss.is_finite() && losses[2].critic_loss.is_finite());
+        }
+        let (there, here) = (state_bits(&together, 1), state_bits(&alone, 0));
+        assert_eq!(there, here, "{backend:?}");
     }
 }
 
@@ -122,29 +140,33 @@ fn a_restored_learner_goes_on_to_the_bit() {
         for step in 0..5 {
             straight.update(&batch(&[1], step));
         }
-        let saved = straight.checkpoint([7; 32]);
+        let saved = straight.checkpoint(0, [7; 32]);
         // Another seed, so that whatever is not restored shows.
         let mut restored = learner(&config(), &[2], backend);
-        restored.restore(&saved).unwrap();
-        assert_eq!(restored.checkpoint([7; 32]), saved);
+        restored.restore(&[&saved]).unwrap();
+        assert_eq!(restored.checkpoint(0, [7; 32]), saved);
         for step in 5..10 {
             straight.update(&batch(&[1], step));
             restored.update(&batch(&[1], step));
         }
         assert_eq!(restored.step(), 10);
-        assert_eq!(state_bits(&restored), state_bits(&straight), "{backend:?}");
+        assert_eq!(
+            state_bits(&restored, 0),
+            state_bits(&straight, 0),
+            "{backend:?}"
+        );
     }
 }
 
 #[test]
 fn a_checkpoint_of_another_learner_is_refused_by_the_tensor_it_lacks() {
-    let saved = learner(&config(), &[1], Backend::Flex).checkpoint([0; 32]);
+    let saved = learner(&config(), &[1], Backend::Flex).checkpoint(0, [0; 32]);
     let wider = IqlConfig {
         hidden: vec![5, 7],
         ..config()
     };
     let error = learner(&wider, &[1], Backend::Flex)
-        .restore(&saved)
+        .restore(&[&saved])
         .unwrap_err();
     assert!(
         error
@@ -158,7 +180,7 @@ fn a_checkpoint_of_another_learner_is_refused_by_the_tensor_it_lacks() {
         .tensors
         .retain(|t| t.name != "adam/critic/2/bias/second");
     let error = learner(&config(), &[1], Backend::Flex)
-        .restore(&without)
+        .restore(&[&without])
         .unwrap_err();
     assert!(
         error.to_string().contains("no adam/critic/2/bias/second"),
@@ -173,39 +195,41 @@ fn the_backends_agree_after_fifty_updates() {
     let [fused, flex, ndarray] = BACKENDS.map(|backend| {
         let mut iql = learner(&config(), &[1], backend);
         (0..50).for_each(|step| drop(iql.update(&batch(&[1], step))));
-        state(&iql)
+        state(&iql, 0)
     });
     for ((name, flex), ((_, ndarray), (_, fused))) in flex.iter().zip(ndarray.iter().zip(&fused)) {
         assert_close(flex, &wide(ndarray), TOLERANCE, name);
         assert_close(fused, &wide(flex), TOLERANCE, name);
     }
-    let fresh = state(&learner(&config(), &[1], Backend::Flex));
+    let fresh = state(&learner(&config(), &[1], Backend::Flex), 0);
     assert_ne!(fresh[0], flex[0], "they learned something");
 }
 
 #[test]
-fn the_metrics_are_means_over_the_batch_and_the_lanes() {
+fn the_metrics_of_a_lane_are_those_it_has_alone() {
     for backend in BACKENDS {
         let read = |seeds: &[u64]| {
-            learner(&config(), seeds, backend)
-                .update(&batch(seeds, 0))
-                .read()
+            let mut iql = learner(&config(), seeds, backend);
+            iql.update(&batch(seeds, 0)).read()
         };
-        let (both, first, second) = (read(&[1, 2]), read(&[1]), read(&[2]));
-        let all = |m: crate::iql::UpdateMetrics| {
-            [
-                m.value_loss,
-                m.policy_loss,
-                m.critic_loss,
-                m.value,
-                m.advantage,
-            ]
-        };
-        let expected: Vec<f64> = wide(&all(first))
-            .iter()
-            .zip(wide(&all(second)))
-            .map(|(a, b)| (a + b) / 2.0)
-            .collect();
-        assert_close(&all(both), &expected, 1e-6, "metrics");
+        assert_eq!(read(&[1, 2]), [read(&[1]), read(&[2])].concat());
     }
+}
+
+#[test]
+fn lanes_after_different_updates_do_not_go_on_together() {
+    let mut ahead = learner(&config(), &[1], Backend::Flex);
+    ahead.update(&batch(&[1], 0));
+    let ahead = ahead.checkpoint(0, [0; 32]);
+    let behind = learner(&config(), &[2], Backend::Flex).checkpoint(0, [0; 32]);
+    let mut both = learner(&config(), &[1, 2], Backend::Flex);
+    let error = both.restore(&[&ahead, &behind]).unwrap_err();
+    assert!(
+        error.to_string().contains("after updates [1, 0]"),
+        "{error}"
+    );
+    assert!(
+        both.restore(&[&behind]).is_err(),
+        "one checkpoint for two lanes"
+    );
 }

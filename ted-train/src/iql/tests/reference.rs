@@ -182,13 +182,13 @@ impl Reference {
 /// and targets equal to the critics.
 fn anywhere(config: &IqlConfig, backend: Backend) -> Iql {
     let mut iql = learner(config, &[1], backend);
-    let mut state = iql.checkpoint([0; 32]);
+    let mut state = iql.checkpoint(0, [0; 32]);
     for tensor in &mut state.tensors {
         if !tensor.name.starts_with("adam/") {
             tensor.values = numbers(tensor.values.len(), &tensor.name);
         }
     }
-    iql.restore(&state).unwrap();
+    iql.restore(&[&state]).unwrap();
     iql
 }
 
