@@ -94,7 +94,9 @@ impl Ends for TrainError {
                 ExitCode::BadInput
             }
             Self::Export(error) => error.exit_code(),
-            Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => ExitCode::Failure,
+            Self::Backend(_) | Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => {
+                ExitCode::Failure
+            }
             Self::Learn(LearnError::Interrupted) | Self::Interrupted { .. } => {
                 ExitCode::Interrupted
             }

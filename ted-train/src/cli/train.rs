@@ -29,11 +29,21 @@ Examples:
   ted train drawer-open-v3 --set algorithm.steps=50000 --set discount.sigma=0.5
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
   ted train drawer-open-v3,box-close-v3 --preset oprl-i,oprl-i+ted --seeds 0..6      a fleet of 24 runs
+  ted train drawer-open-v3 --seeds 0..6 --device cuda        six runs as one batch on a GPU
 
 Any field of config.toml can be set, except preset and seed, which have flags of their own.
 Several datasets, presets or seeds make a fleet: every combination is a run with a folder of its own, runs go side by side \
 on all cores, and one that fails does not stop the others. What a run learns does not depend on its company.
 A stopped run goes on with the same command; a fleet does what is missing.";
+
+/// Where training is done.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Device {
+    /// The default engine for processors
+    Cpu,
+    /// burn's CUDA backend; needs a `ted` that was built with `--features cuda`
+    Cuda,
+}
 
 /// Learn a reward from preferences, set discounts, learn a policy, export and fly it
 #[derive(Debug, Args)]
@@ -60,6 +70,10 @@ pub(super) struct TrainArgs {
     /// A TOML file over the preset
     #[arg(long)]
     config: Option<PathBuf>,
+    /// What trains: this machine's processor, or its NVIDIA GPU, where all runs of a fleet are one batch. That of --config, or
+    /// cpu, if not given
+    #[arg(long, value_enum)]
+    device: Option<Device>,
     /// One field over the preset and the file, key=value; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
@@ -111,6 +125,15 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     }
 }
 
+impl Device {
+    fn setting(self) -> &'static str {
+        match self {
+            Self::Cpu => "backend=fused",
+            Self::Cuda => "backend=cuda",
+        }
+    }
+}
+
 /// What a run without an evaluation has to say.
 #[derive(Debug, serde::Serialize)]
 struct Artefact<'t> {
@@ -130,6 +153,9 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     let mut overrides = Overrides::default();
     if let Some(path) = &args.config {
         overrides = overrides.file(path).map_err(end)?;
+    }
+    if let Some(device) = args.device {
+        overrides = overrides.set(device.setting()).map_err(end)?;
     }
     for set in &args.sets {
         overrides = overrides.set(set).map_err(end)?;

@@ -26,7 +26,7 @@ pub struct Config {
     pub preset: Preset,
     /// Root of all randomness.
     pub seed: u64,
-    /// Which burn CPU backend trains.
+    /// What trains: an engine on this machine's processor, or its GPU.
     pub backend: Backend,
     /// Whether rewards are mapped to [0, 1] over the dataset before discounts are lowered.
     pub unit_rewards: bool,

@@ -116,7 +116,7 @@ impl Actor {
         let width = observations.len() / rows;
         let batch: Tensor<3> = Tensor::from_data(
             TensorData::new(observations, [1, rows, width]),
-            &self.iql.device,
+            &self.iql.backend.device(),
         );
         let actions = self.iql.actor.forward(batch).into_data();
         actions.try_to_vec().expect("a float tensor holds f32")

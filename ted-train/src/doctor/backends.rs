@@ -11,6 +11,7 @@ const SIZE: usize = 64;
 
 /// The largest error of a matrix product against double precision, and whether it is as small as it should be.
 pub(super) fn check(backend: Backend) -> Result<String, String> {
+    backend.usable().map_err(|error| error.to_string())?;
     let mut rng = Seed::root(0).child("doctor").rng();
     let mut draw = || -> Vec<f32> {
         (0..SIZE * SIZE)

@@ -11,6 +11,8 @@ use firmware_sim::bridge::environment;
 use firmware_sim::qemu;
 use serde::Serialize;
 
+use crate::nn::Backend;
+
 /// One thing that was looked at.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
@@ -57,9 +59,12 @@ pub fn diagnose(datasets_root: &Path) -> Diagnosis {
         Check::new("memory", machine::memory()),
         Check::new("datasets", machine::writable(datasets_root)),
         Check::new("free disk", machine::free_disk(datasets_root)),
-        Check::new("burn flex", backends::check(crate::nn::Backend::Flex)),
-        Check::new("burn ndarray", backends::check(crate::nn::Backend::Ndarray)),
+        Check::new("burn flex", backends::check(Backend::Flex)),
+        Check::new("burn ndarray", backends::check(Backend::Ndarray)),
     ];
+    if cfg!(feature = "cuda") {
+        checks.push(Check::new("burn cuda", backends::check(Backend::Cuda)));
+    }
     let bridge = environment::diagnose().into_iter();
     checks.extend(bridge.map(|check| Check::new(check.name, check.outcome)));
     let boards = qemu::diagnose().into_iter();

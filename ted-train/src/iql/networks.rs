@@ -1,6 +1,6 @@
 //! The four networks of a fleet of lanes, their optimisers, and their initial state.
 
-use burn::tensor::{Device, Tensor};
+use burn::tensor::Tensor;
 
 use crate::nn::{Activation, AdamState, Backend, Initialiser, Mlp, MlpShape, Moments};
 use crate::rng::Seed;
@@ -19,7 +19,7 @@ pub const ACTOR_OUTPUT: Activation = Activation::Tanh;
 #[derive(Clone)]
 pub struct Iql {
     pub(crate) config: IqlConfig,
-    pub(crate) device: Device,
+    pub(crate) backend: Backend,
     pub(crate) step: u64,
     pub(crate) value: Mlp,
     pub(crate) actor: Mlp,
@@ -43,7 +43,6 @@ impl Iql {
         seeds: &[Seed],
         backend: Backend,
     ) -> Self {
-        let device = backend.device();
         let shape =
             |inputs, outputs, output| MlpShape::new(inputs, &config.hidden, outputs, output);
         let network = |shape: MlpShape, names: &[&str]| {
@@ -59,7 +58,7 @@ impl Iql {
             shape(observation + action, 1, Activation::Linear),
             &["critic/0", "critic/1"],
         );
-        let log_std = Tensor::zeros([seeds.len(), 1, action], &device);
+        let log_std = Tensor::zeros([seeds.len(), 1, action], &backend.device());
         Self {
             value_adam: AdamState::new(&value),
             actor_adam: AdamState::new(&actor),
@@ -68,7 +67,7 @@ impl Iql {
             target: critic.clone(),
             step: 0,
             config,
-            device,
+            backend,
             value,
             actor,
             log_std,

@@ -31,7 +31,7 @@ impl Iql {
     /// When they are not, or one lacks a tensor or has another shape; the learner must not be used then.
     pub fn restore(&mut self, lanes: &[&Checkpoint]) -> Result<(), ForeignCheckpoint> {
         let step = Checkpoint::common_step(lanes, self.lanes())?;
-        let device = self.device.clone();
+        let device = self.backend.device();
         self.for_each_tensor(|name, tensor| {
             *tensor = Checkpoint::fetch(lanes, &name, tensor, &device)?;
             Ok(())

@@ -55,21 +55,21 @@ pub struct UpdateMetrics {
 impl Iql {
     /// One update on a batch. The metrics are lazy: `Losses::read` fetches them when somebody wants to log.
     ///
-    /// It runs on the threads of the pool it is called from, or else of the global one; in a pool of one thread it wakes
-    /// nobody.
+    /// On a processor it runs on the threads of the pool it is called from, or else of the global one; in a pool of one thread
+    /// it wakes nobody.
     pub fn update(&mut self, batch: &Batch) -> Losses {
-        // On a worker from the start: otherwise every parallel part would hand over to the workers and back.
-        rayon::scope(|_| self.update_here(batch))
+        self.backend.run(|| self.update_here(batch))
     }
 
     fn update_here(&mut self, batch: &Batch) -> Losses {
-        let lanes = self.lanes();
+        let (lanes, backend) = (self.lanes(), self.backend);
+        let device = backend.device();
         let rows = batch.rewards.len() / lanes;
         let tensor = |data: &[f32]| -> Tensor<3> {
             let width = data.len() / (lanes * rows);
             Tensor::from_data(
                 TensorData::new(data.to_vec(), [lanes, rows, width]),
-                &self.device,
+                &device,
             )
         };
         let observation = tensor(&batch.observations);
@@ -84,15 +84,15 @@ impl Iql {
         let step = self.step;
 
         // What this step's V decides nothing about, side by side.
-        let (of_critics, of_observation) = rayon::join(
+        let (of_critics, of_observation) = backend.join(
             || {
-                rayon::join(
+                backend.join(
                     || minimum_of_heads(self.target.forward(pair.clone())),
                     || self.critic.forward_tape(pair.clone()),
                 )
             },
             || {
-                rayon::join(
+                backend.join(
                     || self.value.forward_tape(observation.clone()),
                     || self.actor.forward_tape(observation.clone()),
                 )
@@ -114,7 +114,7 @@ impl Iql {
         let v_next = both.narrow(1, rows, rows);
         let advantage = q_target - v.clone();
 
-        let (policy_loss, critic_loss) = rayon::join(
+        let (policy_loss, critic_loss) = backend.join(
             // Policy, by advantage-weighted regression onto the data's actions.
             || {
                 let (loss, d_mean, d_log_std) = policy_loss(

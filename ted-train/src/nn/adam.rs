@@ -3,9 +3,8 @@
 use burn::tensor::Tensor;
 use serde::{Deserialize, Serialize};
 
-use super::Mlp;
-use super::host::in_place;
 use super::parameters::{Gradients, Parameters};
+use super::{Mlp, device};
 
 /// Constants of the optimiser; the step size is an argument of each step because it may follow a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,14 +64,14 @@ impl AdamState {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AdamStep {
     /// Shares of the old moments.
-    beta: [f32; 2],
+    pub(super) beta: [f32; 2],
     /// Shares of the gradient in the new ones.
-    fresh: [f32; 2],
+    pub(super) fresh: [f32; 2],
     /// Step size, corrected for the first moment's start at zero.
-    rate: f32,
+    pub(super) rate: f32,
     /// Correction of the second moment.
-    unbias: f32,
-    epsilon: f32,
+    pub(super) unbias: f32,
+    pub(super) epsilon: f32,
 }
 
 impl AdamStep {
@@ -100,7 +99,7 @@ impl Adam {
         network.parameters.adam(first, second, gradients, step);
     }
 
-    /// One step on one tensor.
+    /// One step on one tensor, which is small and belongs to no network.
     pub(crate) fn tensor<const D: usize>(
         &self,
         parameter: &mut Tensor<D>,
@@ -110,14 +109,11 @@ impl Adam {
         step: u64,
     ) {
         let step = self.constants(rate, step);
-        apply(
-            step,
-            [parameter, &mut moments.first, &mut moments.second],
-            gradient,
-        );
+        let all = [parameter, &mut moments.first, &mut moments.second];
+        device::adam(step, all, gradient);
     }
 
-    fn constants(&self, rate: f64, step: u64) -> AdamStep {
+    pub(super) fn constants(&self, rate: f64, step: u64) -> AdamStep {
         let step = i32::try_from(step).unwrap_or(i32::MAX);
         let correct = [self.beta1, self.beta2].map(|beta| 1.0 - beta.powi(step));
         AdamStep {
@@ -128,20 +124,4 @@ impl Adam {
             epsilon: self.epsilon as f32,
         }
     }
-}
-
-/// One step on a parameter and its two moments.
-pub(super) fn apply<const D: usize>(
-    step: AdamStep,
-    parameter_and_moments: [&mut Tensor<D>; 3],
-    gradient: Tensor<D>,
-) {
-    let gradient = gradient.into_data();
-    let gradient = gradient.as_slice::<f32>().expect("gradients are f32");
-    in_place(parameter_and_moments, |[parameters, firsts, seconds]| {
-        let moments = firsts.iter_mut().zip(seconds);
-        for ((p, (m, v)), g) in parameters.iter_mut().zip(moments).zip(gradient) {
-            step.apply(p, m, v, *g);
-        }
-    });
 }

@@ -6,8 +6,14 @@ use rand::RngExt;
 use super::Backend;
 use crate::rng::Seed;
 
-/// Every test of tensor code runs on all.
-pub(crate) const BACKENDS: [Backend; 3] = [Backend::Fused, Backend::Flex, Backend::Ndarray];
+/// Every test of tensor code runs on all. Without the feature `cuda` the last one is what a GPU would be given to compute,
+/// computed by the processor.
+pub(crate) const BACKENDS: [Backend; 4] = [
+    Backend::Fused,
+    Backend::Flex,
+    Backend::Ndarray,
+    Backend::Cuda,
+];
 
 /// A tensor of these numbers, in row-major order.
 pub(crate) fn tensor(values: &[f32], shape: [usize; 3], backend: Backend) -> Tensor<3> {

@@ -1,12 +1,15 @@
-//! Fused passes over the buffers of tensors: what a tensor operation each would do slowly.
+//! Fused passes over the buffers of tensors: what a tensor operation each, as in [`super::device`], would do slowly on a
+//! processor.
 //!
 //! burn's CPU devices hand out the buffer of a tensor that has one owner, and take it back, without a copy. One pass
 //! then replaces several tensor operations, and gives the same bits on every CPU device.
 
 use burn::tensor::{Tensor, TensorData};
 
+use super::adam::AdamStep;
+
 /// Runs `body` on the values of several tensors, in place.
-pub(super) fn in_place<const N: usize, const D: usize>(
+fn in_place<const N: usize, const D: usize>(
     mut tensors: [&mut Tensor<D>; N],
     body: impl FnOnce([&mut [f32]; N]),
 ) {
@@ -25,13 +28,11 @@ pub(super) fn in_place<const N: usize, const D: usize>(
     }
 }
 
-/// Adds a bias `[member, 1, out]` to every row of `z [member, batch, out]`, and applies ReLU to the sum if asked to.
-/// A sum that is not a number stays one, so that a learner that diverged is noticed.
-pub(super) fn add_bias(z: &mut Tensor<3>, bias: &Tensor<3>, relu: bool) {
+pub(super) fn add_bias(mut z: Tensor<3>, bias: &Tensor<3>, relu: bool) -> Tensor<3> {
     let [_, batch, outputs] = z.dims();
     let bias = bias.clone().into_data();
     let bias = bias.as_slice::<f32>().expect("parameters are f32");
-    in_place([z], |[z]| {
+    in_place([&mut z], |[z]| {
         for (z, bias) in z
             .chunks_exact_mut(batch * outputs)
             .zip(bias.chunks_exact(outputs))
@@ -44,15 +45,41 @@ pub(super) fn add_bias(z: &mut Tensor<3>, bias: &Tensor<3>, relu: bool) {
             }
         }
     });
+    z
 }
 
-/// Sets to zero what ReLU did not let through: where its output `active` is zero.
-pub(super) fn mask_inactive(gradient: &mut Tensor<3>, active: Tensor<3>) {
+pub(super) fn mask_inactive(mut gradient: Tensor<3>, active: Tensor<3>) -> Tensor<3> {
     let active = active.into_data();
     let active = active.as_slice::<f32>().expect("activations are f32");
-    in_place([gradient], |[gradient]| {
+    in_place([&mut gradient], |[gradient]| {
         for (gradient, &active) in gradient.iter_mut().zip(active) {
             *gradient = if active > 0.0 { *gradient } else { 0.0 };
+        }
+    });
+    gradient
+}
+
+pub(super) fn adam<const D: usize>(
+    step: AdamStep,
+    parameter_and_moments: [&mut Tensor<D>; 3],
+    gradient: Tensor<D>,
+) {
+    let gradient = gradient.into_data();
+    let gradient = gradient.as_slice::<f32>().expect("gradients are f32");
+    in_place(parameter_and_moments, |[parameters, firsts, seconds]| {
+        let moments = firsts.iter_mut().zip(seconds);
+        for ((p, (m, v)), g) in parameters.iter_mut().zip(moments).zip(gradient) {
+            step.apply(p, m, v, *g);
+        }
+    });
+}
+
+pub(super) fn polyak(old: &mut Tensor<3>, new: &Tensor<3>, rate: f32) {
+    let new = new.clone().into_data();
+    let new = new.as_slice::<f32>().expect("parameters are f32");
+    in_place([old], |[old]| {
+        for (old, new) in old.iter_mut().zip(new) {
+            *old = (1.0 - rate) * *old + rate * new;
         }
     });
 }

@@ -4,6 +4,7 @@ use burn::tensor::{Tensor, TensorData};
 use rand::Rng;
 
 use super::parameters::{Gradients, Parameters};
+use super::passes::Passes;
 use super::plain::{self, Plain};
 use super::{Backend, Initialiser, fused};
 
@@ -95,7 +96,9 @@ impl Mlp {
     pub(crate) fn from_layers(layers: Vec<Linear>, output: Activation, backend: Backend) -> Self {
         let parameters = match backend {
             Backend::Fused => Parameters::Fused(fused::Buffer::from_layers(&layers)),
-            Backend::Flex | Backend::Ndarray => Parameters::Plain(Plain { layers }),
+            Backend::Flex | Backend::Ndarray | Backend::Cuda => {
+                Parameters::Plain(Plain::new(layers, Passes::of(backend)))
+            }
         };
         Self { parameters, output }
     }

@@ -9,6 +9,8 @@
 //! over buffers, on processors. Which one it is, is seen by nobody above [`Mlp`] and [`Adam`].
 
 mod adam;
+mod backend;
+mod device;
 mod export;
 #[cfg(test)]
 pub(crate) mod fixtures;
@@ -17,6 +19,7 @@ mod host;
 mod init;
 mod mlp;
 mod parameters;
+mod passes;
 mod plain;
 #[cfg(test)]
 pub(crate) mod scalar;
@@ -24,32 +27,7 @@ pub(crate) mod scalar;
 mod tests;
 
 pub use adam::{Adam, AdamState, Moments};
+pub use backend::{Backend, BackendError};
 pub use export::{ExportedLayer, ExportedMlp};
 pub use init::{Initialiser, orthogonal};
 pub use mlp::{Activation, Linear, Mlp, MlpShape};
-
-/// What training runs on: a burn device, and the engine of its networks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Backend {
-    /// Networks by passes of our own over buffers, everything else on burn's portable CPU backend: the default.
-    #[default]
-    Fused,
-    /// burn's portable CPU backend: the plain reference.
-    Flex,
-    /// burn's older CPU backend on the `ndarray` crate: the independent second opinion of the cross-check.
-    Ndarray,
-}
-
-impl Backend {
-    pub(crate) fn device(self) -> burn::tensor::Device {
-        match self {
-            Self::Fused | Self::Flex => burn::tensor::Device::flex(),
-            #[expect(
-                deprecated,
-                reason = "upstream favours flex; a second opinion has to come from elsewhere"
-            )]
-            Self::Ndarray => burn::tensor::Device::ndarray(),
-        }
-    }
-}

@@ -3,14 +3,15 @@
 
 use burn::tensor::Tensor;
 
-use super::adam::{self, AdamStep};
-use super::host::{self, in_place};
+use super::adam::AdamStep;
+use super::passes::Passes;
 use super::{Activation, Linear};
 
 /// Parameters of a perceptron, or anything of their shape: a tensor for each weight and each bias.
 #[derive(Clone, Debug)]
 pub(crate) struct Plain {
     pub(super) layers: Vec<Linear>,
+    passes: Passes,
 }
 
 /// What the backward pass needs of a forward pass: the input of each layer and the network's output.
@@ -20,15 +21,18 @@ pub(crate) struct Tape {
 }
 
 impl Plain {
+    /// From weights and biases of each layer.
+    pub(super) fn new(layers: Vec<Linear>, passes: Passes) -> Self {
+        Self { layers, passes }
+    }
+
     /// Zeros of the same shape.
     pub(super) fn zeros_like(&self) -> Self {
         let zeros = |l: &Linear| Linear {
             weight: l.weight.zeros_like(),
             bias: l.bias.zeros_like(),
         };
-        Self {
-            layers: self.layers.iter().map(zeros).collect(),
-        }
+        Self::new(self.layers.iter().map(zeros).collect(), self.passes)
     }
 
     /// `[member, batch, in] -> [member, batch, out]`, showing the input of each layer to `seen`.
@@ -42,8 +46,8 @@ impl Plain {
         let mut h = x;
         for (i, layer) in self.layers.iter().enumerate() {
             seen(&h);
-            let mut z = h.matmul(layer.weight.clone());
-            host::add_bias(&mut z, &layer.bias, i != last);
+            let z = h.matmul(layer.weight.clone());
+            let z = self.passes.add_bias(z, &layer.bias, i != last);
             h = match (i == last, output) {
                 (false, _) | (true, Activation::Linear) => z,
                 (true, Activation::Tanh) => z.tanh(),
@@ -73,13 +77,13 @@ impl Plain {
             let weight = input.clone().swap_dims(1, 2).matmul(delta.clone());
             if i > 0 {
                 // ReLU passes the gradient where its output is positive.
-                delta = delta.matmul(layer.weight.clone().swap_dims(1, 2));
-                host::mask_inactive(&mut delta, input);
+                let all = delta.matmul(layer.weight.clone().swap_dims(1, 2));
+                delta = self.passes.mask_inactive(all, input);
             }
             layers.push(Linear { weight, bias });
         }
         layers.reverse();
-        Self { layers }
+        Self::new(layers, self.passes)
     }
 
     /// One step of Adam with the moments `first` and `second`.
@@ -93,33 +97,18 @@ impl Plain {
         let moments = first.layers.iter_mut().zip(&mut second.layers);
         let layers = self.layers.iter_mut().zip(moments).zip(gradients.layers);
         for ((layer, (first, second)), gradient) in layers {
-            adam::apply(
-                step,
-                [&mut layer.weight, &mut first.weight, &mut second.weight],
-                gradient.weight,
-            );
-            adam::apply(
-                step,
-                [&mut layer.bias, &mut first.bias, &mut second.bias],
-                gradient.bias,
-            );
+            let weights = [&mut layer.weight, &mut first.weight, &mut second.weight];
+            self.passes.adam(step, weights, gradient.weight);
+            let biases = [&mut layer.bias, &mut first.bias, &mut second.bias];
+            self.passes.adam(step, biases, gradient.bias);
         }
     }
 
     /// `self <- (1 - rate) self + rate source`.
     pub(super) fn polyak(&mut self, source: &Self, rate: f32) {
-        let mix = |old: &mut Tensor<3>, new: &Tensor<3>| {
-            let new = new.clone().into_data();
-            let new = new.as_slice::<f32>().expect("parameters are f32");
-            in_place([old], |[old]| {
-                for (old, new) in old.iter_mut().zip(new) {
-                    *old = (1.0 - rate) * *old + rate * new;
-                }
-            });
-        };
         for (old, new) in self.layers.iter_mut().zip(&source.layers) {
-            mix(&mut old.weight, &new.weight);
-            mix(&mut old.bias, &new.bias);
+            self.passes.polyak(&mut old.weight, &new.weight, rate);
+            self.passes.polyak(&mut old.bias, &new.bias, rate);
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
 use crate::iql::{Iql, Replay};
-use crate::nn::ExportedMlp;
+use crate::nn::{Backend, ExportedMlp};
 use crate::reward::Labels;
 use crate::reward::oprl::ExportedEnsemble;
 use crate::rng::Seed;
@@ -46,7 +46,8 @@ impl FinishedRun {
             dataset.observation_dim(),
             dataset.action_dim(),
             &[Seed::root(config.seed).child("iql")],
-            config.backend,
+            // A checkpoint is numbers, whatever computed them.
+            Backend::default(),
         );
         iql.restore(&[&checkpoint]).map_err(RunError::from)?;
         let rewards = rewards::relabel(dataset, &config, folder, audience)?;

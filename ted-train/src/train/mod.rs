@@ -15,6 +15,7 @@ use std::path::PathBuf;
 use crate::config::Config;
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::export::{ContractText, ExportError};
+use crate::nn::BackendError;
 use crate::preferences::Teacher;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
@@ -31,6 +32,9 @@ pub enum TrainError {
     /// The disk.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// What it was to train on.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
     /// The reward phase.
     #[error(transparent)]
     Learn(#[from] LearnError),
@@ -73,8 +77,10 @@ pub enum TrainError {
 /// Whether this configuration can be trained on this dataset, before anything is begun.
 ///
 /// # Errors
-/// When no controller could fly a policy for the dataset, or it has no segment as long as the questions ask for.
+/// When this build or this machine lacks the backend, when no controller could fly a policy for the dataset, or when it has no
+/// segment as long as the questions ask for.
 pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
+    config.backend.usable()?;
     ContractText::new(dataset)
         .contract()
         .map_err(ExportError::from)?;

@@ -192,14 +192,15 @@ fn a_checkpoint_of_another_learner_is_refused_by_the_tensor_it_lacks() {
 fn the_backends_agree_after_fifty_updates() {
     /// They sum in different orders, and fifty updates at a high rate carry that on.
     const TOLERANCE: f64 = 1e-4;
-    let [fused, flex, ndarray] = BACKENDS.map(|backend| {
+    let [fused, flex, ndarray, cuda] = BACKENDS.map(|backend| {
         let mut iql = learner(&config(), &[1], backend);
         (0..50).for_each(|step| drop(iql.update(&batch(&[1], step))));
         state(&iql, 0)
     });
-    for ((name, flex), ((_, ndarray), (_, fused))) in flex.iter().zip(ndarray.iter().zip(&fused)) {
-        assert_close(flex, &wide(ndarray), TOLERANCE, name);
-        assert_close(fused, &wide(flex), TOLERANCE, name);
+    for other in [fused, ndarray, cuda] {
+        for ((name, flex), (_, other)) in flex.iter().zip(&other) {
+            assert_close(other, &wide(flex), TOLERANCE, name);
+        }
     }
     let fresh = state(&learner(&config(), &[1], Backend::Flex), 0);
     assert_ne!(fresh[0], flex[0], "they learned something");
