@@ -99,11 +99,10 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     let lanes = plan(args, &datasets)?;
     let audience = args.output.audience();
     if let [lane] = lanes.as_slice() {
-        let dataset = datasets.open(&lane.dataset).map_err(end)?;
         let simulators = args.workers.unwrap_or(Crew::of(1, None).threads);
-        let trained = lane
-            .run(&dataset, simulators, Watch::Alone(audience))
-            .map_err(end)?;
+        let watch = Watch::Alone(audience);
+        let mut ends = fleet::together(&[lane], &datasets, simulators, watch);
+        let trained = ends.swap_remove(0).map_err(end)?;
         return match &trained.evaluation {
             Some(evaluation) => args.output.print(evaluation, || text(evaluation)),
             None => args.output.print(&Artefact::of(&trained), || {
@@ -111,12 +110,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
             }),
         };
     }
-    let ends = fleet::run(
-        &lanes,
-        &datasets,
-        Crew::of(lanes.len(), args.jobs),
-        audience,
-    );
+    let ends = fleet::run(&lanes, &datasets, args.jobs, audience);
     let report = FleetReport::of(&lanes, &ends);
     args.output.print(&report, || report.text())?;
     match fleet::first_failure(&lanes, ends) {

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use rayon::ThreadPoolBuildError;
-
 use crate::dataset::DatasetError;
 use crate::evaluate::EvaluateError;
 use crate::preferences::PreferenceError;
@@ -30,7 +28,7 @@ pub enum LaneError {
     Evaluate(#[from] EvaluateError),
     /// The operating system gave no threads.
     #[error("cannot start the threads of a run: {0}")]
-    Threads(ThreadPoolBuildError),
+    Threads(String),
     /// A mistake in this program.
     #[error(
         "the run ended in a panic, which is a mistake of this program: please report what it said above"

@@ -1,19 +1,21 @@
-//! One run from its dataset to its evaluation.
+//! One run from its dataset to its evaluation: what comes before it learns a policy, and what comes after.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use firmware_sim::bridge::Engine;
-use firmware_sim::tasks;
+use firmware_sim::progress::Audience;
+use firmware_sim::{interrupt, tasks};
 use serde::Serialize;
 
-use super::LaneError;
+use super::{Datasets, LaneError};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::evaluate::{Evaluation, FlightPlan, evaluate_once};
 use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
-use crate::train::{Watch, check, train};
+use crate::train::{LearnedPolicy, Prepared, check};
 
 /// A run that is to be made, or gone on with.
 #[derive(Clone, Debug)]
@@ -37,45 +39,73 @@ pub struct Trained {
     pub evaluation: Option<Evaluation>,
 }
 
+/// A run at work, which holds its dataset and its folder.
+pub(super) struct Begun<'l> {
+    lane: &'l Lane,
+    dataset: Arc<Dataset>,
+    folder: RunFolder,
+    answers: Option<ReplayTeacher>,
+}
+
 impl Lane {
-    /// Trains and flies what the folder does not hold yet, with at most so many simulators side by side.
-    ///
-    /// # Errors
-    /// When a phase fails or is interrupted; the same call goes on.
-    pub fn run(
-        &self,
-        dataset: &Dataset,
-        simulators: NonZeroUsize,
-        watch: Watch<'_>,
-    ) -> Result<Trained, LaneError> {
+    /// Opens what the run needs. Nothing is begun that cannot be ended.
+    pub(super) fn begin(&self, datasets: &Datasets) -> Result<Begun<'_>, LaneError> {
+        if interrupt::requested() {
+            return Err(LaneError::NotBegun);
+        }
+        let dataset = datasets.open(&self.dataset)?;
         let reference = DatasetReference {
             id: dataset.id().to_owned(),
             digest: dataset.digest().to_owned(),
             path: self.dataset.clone(),
         };
-        // Nothing is begun that cannot be ended.
-        check(dataset, &self.config)?;
+        check(&dataset, &self.config)?;
         let answers = match &self.answers {
-            Some(log) => Some((log, ReplayTeacher::open(log, dataset)?)),
+            Some(log) => Some((log, ReplayTeacher::open(log, &dataset)?)),
             None => None,
         };
         let folder = RunFolder::begin(&self.folder, &self.config, &reference)?;
-        let mut teacher: Box<dyn Teacher> = match answers {
-            Some((log, answers)) => {
-                same_answers(&answers, log, &folder, dataset)?;
-                Box::new(answers)
-            }
+        if let Some((log, answers)) = &answers {
+            same_answers(answers, log, &folder, &dataset)?;
+        }
+        Ok(Begun {
+            lane: self,
+            dataset,
+            folder,
+            answers: answers.map(|(_, answers)| answers),
+        })
+    }
+}
+
+impl Begun<'_> {
+    /// Everything up to the policy.
+    pub(super) fn prepare(&self, audience: Audience) -> Result<Prepared<'_>, LaneError> {
+        let mut teacher: Box<dyn Teacher> = match &self.answers {
+            Some(answers) => Box::new(answers.clone()),
             None => Box::new(ScriptedTeacher::new(0.0)?),
         };
-        train(dataset, &self.config, &folder, teacher.as_mut(), watch)?;
-        let artefact = folder.artefact_path();
-        let audience = watch.audience();
+        let (dataset, config) = (&*self.dataset, &self.lane.config);
+        let teacher = teacher.as_mut();
+        let prepared = Prepared::new(dataset, config, &self.folder, teacher, audience)?;
+        Ok(prepared)
+    }
+
+    /// Everything after it: the artefact, and its flight if there is to be one and was none yet, with at most so many
+    /// simulators side by side.
+    pub(super) fn finish(
+        &self,
+        run: Prepared<'_>,
+        policy: LearnedPolicy,
+        simulators: NonZeroUsize,
+        audience: Audience,
+    ) -> Result<Trained, LaneError> {
+        run.finish(policy)?;
+        let artefact = self.folder.artefact_path();
         audience.note(&format!("wrote {}", artefact.display()));
 
-        let episodes = self.config.schedule.evaluation_episodes;
-        let simulated = dataset
-            .task()
-            .is_some_and(|task| tasks::single(task).is_ok());
+        let episodes = self.lane.config.schedule.evaluation_episodes;
+        let task = self.dataset.task();
+        let simulated = task.is_some_and(|task| tasks::single(task).is_ok());
         if episodes > 0 && !simulated {
             audience.note("not flown: the dataset is of no Meta-World task");
         }
@@ -83,11 +113,11 @@ impl Lane {
             true => {
                 let plan = FlightPlan {
                     episodes,
-                    seed: self.config.seed,
+                    seed: self.lane.config.seed,
                     workers: simulators.get(),
                     engine: Engine::default(),
                 };
-                Some(evaluate_once(&folder, &plan, audience)?)
+                Some(evaluate_once(&self.folder, &plan, audience)?)
             }
             false => None,
         };

@@ -1,77 +1,57 @@
 //! A fleet: several runs side by side, each with a folder, checkpoints and an end of its own.
 //!
 //! A lane is one run: a dataset, a configuration, a seed, a folder. Lanes share nothing but datasets, which are read and never
-//! written, and each is trained from start to end by one thread of the fleet. So what a lane learns cannot depend on its
-//! company, lanes of different tasks and methods go together, and no thread ever waits for another one.
+//! written. On a processor each is trained from start to end by one thread of the fleet, and no thread ever waits for another
+//! one; on a GPU, which one lane leaves idle, all of them are one batch. Neither shows in what a lane learns, and lanes of
+//! different tasks and methods go together.
 
+mod batch;
+mod crew;
 mod datasets;
 mod error;
 mod lane;
 
+pub use batch::together;
+pub use crew::Crew;
 pub use datasets::Datasets;
 pub use error::{FleetError, LaneError};
 pub use lane::{Lane, Trained};
 
 use std::num::NonZeroUsize;
-use std::panic::{self, AssertUnwindSafe};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::sync::{Mutex, PoisonError};
 
-use firmware_sim::interrupt;
 use firmware_sim::progress::{Audience, Progress};
 use rayon::ThreadPoolBuilder;
 
 use crate::train::Watch;
 
-/// How a fleet uses the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Crew {
-    /// Lanes that are trained at the same time.
-    pub lanes: NonZeroUsize,
-    /// Threads of each of them.
-    pub threads: NonZeroUsize,
-}
-
-impl Crew {
-    /// As many lanes at a time as `asked`, or as there are cores; cores that are left over are shared out.
-    #[must_use]
-    pub fn of(lanes: usize, asked: Option<NonZeroUsize>) -> Self {
-        let cores = thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-        let most = NonZeroUsize::new(lanes).unwrap_or(NonZeroUsize::MIN);
-        let lanes = asked.unwrap_or(cores).min(most);
-        let threads = NonZeroUsize::new(cores.get() / lanes).unwrap_or(NonZeroUsize::MIN);
-        Self { lanes, threads }
-    }
-}
-
-/// Trains and flies every lane, and says of each how it ended, in the order of the lanes. One that fails does not stop the
-/// others; a request to stop stops all of them, and the same call goes on.
+/// Trains and flies every lane, at most `jobs` batches at a time, and says of each how it ended, in the order of the lanes.
+/// One that fails does not stop the others; a request to stop stops all of them, and the same call goes on.
 pub fn run(
     lanes: &[Lane],
     datasets: &Datasets,
-    crew: Crew,
+    jobs: Option<NonZeroUsize>,
     audience: Audience,
 ) -> Vec<Result<Trained, LaneError>> {
     let updates = lanes.iter().map(|lane| lane.config.algorithm.steps()).sum();
     let progress = audience.start("train", updates, "updates");
-    let queue = Mutex::new(lanes.iter().enumerate());
+    let batches = batches(lanes);
+    let crew = Crew::of(batches.len(), jobs);
     let ends = Mutex::new(Vec::new());
-    thread::scope(|scope| {
-        for _ in 0..crew.lanes.get() {
-            scope.spawn(|| {
-                while let Some((index, lane)) = locked(&queue).next() {
-                    let end = one(lane, datasets, crew.threads, &progress);
-                    progress.note(&describe(lane, &end));
-                    let mut ends = locked(&ends);
-                    ends.push((index, end));
-                    progress.message(&format!("{} of {} runs ended", ends.len(), lanes.len()));
-                }
-            });
+    crew.share_out(batches, |batch| {
+        let (places, batch): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
+        let ended = one(&batch, datasets, crew.threads, &progress);
+        for (lane, end) in batch.iter().zip(&ended) {
+            progress.note(&describe(lane, end));
         }
+        // Nothing panics while it holds this.
+        let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
+        ends.extend(places.into_iter().zip(ended));
+        progress.message(&format!("{} of {} runs ended", ends.len(), lanes.len()));
     });
     progress.finish();
     let mut ends = ends.into_inner().unwrap_or_else(PoisonError::into_inner);
-    ends.sort_by_key(|(index, _)| *index);
+    ends.sort_by_key(|(place, _)| *place);
     ends.into_iter().map(|(_, end)| end).collect()
 }
 
@@ -91,31 +71,33 @@ pub fn first_failure(lanes: &[Lane], ends: Vec<Result<Trained, LaneError>>) -> O
     })
 }
 
-/// Nothing panics while it holds one of these.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// What is trained together, with the places of the lanes: on a processor each by itself, on a GPU all.
+fn batches(lanes: &[Lane]) -> Vec<Vec<(usize, &Lane)>> {
+    let lanes = lanes.iter().enumerate();
+    let (gpu, processor): (Vec<_>, Vec<_>) =
+        lanes.partition(|(_, lane)| lane.config.backend.is_gpu());
+    let mut batches: Vec<_> = processor.into_iter().map(|lane| vec![lane]).collect();
+    if !gpu.is_empty() {
+        batches.push(gpu);
+    }
+    batches
 }
 
-/// One lane, in a pool of threads of its own: whatever it computes side by side stays among them.
+/// One batch, in a pool of threads of its own: whatever it computes side by side stays among them.
 fn one(
-    lane: &Lane,
+    batch: &[&Lane],
     datasets: &Datasets,
     threads: NonZeroUsize,
     progress: &Progress,
-) -> Result<Trained, LaneError> {
-    if interrupt::requested() {
-        return Err(LaneError::NotBegun);
+) -> Vec<Result<Trained, LaneError>> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build();
+    match pool {
+        Ok(pool) => pool.install(|| together(batch, datasets, threads, Watch::Fleet(progress))),
+        Err(error) => {
+            let no_threads = |_| Err(LaneError::Threads(error.to_string()));
+            batch.iter().map(no_threads).collect()
+        }
     }
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads.get())
-        .build()
-        .map_err(LaneError::Threads)?;
-    // A panic is a mistake of ours, and still no reason to lose the other lanes.
-    panic::catch_unwind(AssertUnwindSafe(|| {
-        let dataset = datasets.open(&lane.dataset)?;
-        pool.install(|| lane.run(&dataset, threads, Watch::Fleet(progress)))
-    }))
-    .unwrap_or(Err(LaneError::Panicked))
 }
 
 fn describe(lane: &Lane, end: &Result<Trained, LaneError>) -> String {
@@ -132,23 +114,5 @@ fn describe(lane: &Lane, end: &Result<Trained, LaneError>) -> String {
         }
         Ok(_) => format!("{folder}: trained"),
         Err(error) => format!("{folder}: {error}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn there_are_never_more_lanes_at_a_time_than_lanes_and_no_lane_without_a_thread() {
-        let cores = thread::available_parallelism().unwrap().get();
-        let crew = |lanes, asked| {
-            let crew = Crew::of(lanes, NonZeroUsize::new(asked));
-            (crew.lanes.get(), crew.threads.get())
-        };
-        assert_eq!(crew(1, 0), (1, cores));
-        assert_eq!(crew(12, 0), (cores.min(12), (cores / cores.min(12)).max(1)));
-        assert_eq!(crew(12, 3), (3, (cores / 3).max(1)));
-        assert_eq!(crew(2, 64).0, 2);
     }
 }

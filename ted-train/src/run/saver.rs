@@ -37,10 +37,16 @@ impl<'s> Saver<'s> {
         Ok(Self { queue, thread })
     }
 
-    /// Hands a checkpoint over; false when one before it could not be written, which [`Self::finish`] explains.
-    #[must_use]
-    pub fn save(&self, checkpoint: Checkpoint) -> bool {
-        self.queue.send(checkpoint).is_ok()
+    /// Hands a checkpoint over.
+    ///
+    /// # Errors
+    /// When one before it could not be written.
+    pub fn save(self, checkpoint: Checkpoint) -> Result<Self, WriteError> {
+        if self.queue.send(checkpoint).is_ok() {
+            return Ok(self);
+        }
+        self.finish()?;
+        unreachable!("nothing but an error ends the thread before its queue")
     }
 
     /// Waits until all of them are on the disk.

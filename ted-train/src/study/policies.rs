@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::config::{ConfigError, Overrides, Preset};
 use crate::evaluate::Evaluation;
-use crate::fleet::{self, Crew, Datasets, FleetError, Lane};
+use crate::fleet::{self, Datasets, FleetError, Lane};
 use crate::run::{EVALUATION, RunError, RunFolder};
 use crate::train::RewardReport;
 
@@ -95,8 +95,7 @@ pub fn fill(
             answers: None,
         });
     }
-    let crew = Crew::of(lanes.len(), jobs);
-    let ends = fleet::run(&lanes, &Datasets::default(), crew, audience);
+    let ends = fleet::run(&lanes, &Datasets::default(), jobs, audience);
     match fleet::first_failure(&lanes, ends) {
         None => Ok(()),
         Some(error) => Err(error.into()),

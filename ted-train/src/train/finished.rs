@@ -55,7 +55,7 @@ impl FinishedRun {
             .discount
             .lookup(&rewards.labels.episode_returns(dataset))?;
         let replay = Replay::new(dataset, Vec::new(), Vec::new());
-        let policy = LearnedPolicy::new(&iql, &replay);
+        let policy = LearnedPolicy::new(iql.actors().swap_remove(0), &replay);
         Ok(Self {
             config,
             policy,

@@ -1,12 +1,15 @@
 //! The four phases of a run: learn a reward, label the data, set the discounts, learn a policy; then export it.
 
 mod finished;
+mod journal;
 mod offline;
+mod prepared;
 mod rewards;
 mod watch;
 
 pub use finished::{FinishedRun, last_checkpoint, newest_step};
-pub use offline::OfflineMetrics;
+pub use offline::{LearnedPolicy, OfflineMetrics, learn};
+pub use prepared::Prepared;
 pub use rewards::RewardReport;
 pub use watch::Watch;
 
@@ -19,7 +22,6 @@ use crate::nn::BackendError;
 use crate::preferences::Teacher;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
-use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
 
@@ -90,9 +92,9 @@ pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     Ok(())
 }
 
-/// Runs the phases in order. A reward that the folder holds is not learned again, and the policy goes on from the newest
-/// checkpoint; labels, discounts and the artefact are always made again, which takes seconds. The result is a function of
-/// the configuration, the dataset and the answers.
+/// Runs the phases of one run in order: [`Prepared::new`], [`learn`] and [`Prepared::finish`], which for many runs are called
+/// one after the other too. The policy goes on from the newest checkpoint. The result is a function of the configuration, the
+/// dataset and the answers.
 ///
 /// # Errors
 /// When [`check`] does, before anything is learned, and when a phase fails or is interrupted; what was finished is kept and
@@ -104,39 +106,9 @@ pub fn train(
     teacher: &mut dyn Teacher,
     watch: Watch<'_>,
 ) -> Result<(), TrainError> {
-    check(dataset, config)?;
-    let root = Seed::root(config.seed);
-    let audience = watch.audience();
-
-    // Phase 1 and 2: a reward for each transition.
-    let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
-    let returns_hat = rewards.labels.episode_returns(dataset);
-
-    // Phase 3: a discount for each transition.
-    let ted = config.discount.lookup(&returns_hat)?;
-    let discounts = config
-        .discount
-        .discounts(ted.as_ref(), dataset, &returns_hat);
-
-    // Phase 4: a policy.
-    let policy = offline::learn(
-        dataset,
-        config,
-        folder,
-        rewards.labels.rewards.clone(),
-        discounts,
-        root,
-        watch,
-    )?;
-
-    let run = FinishedRun {
-        config: config.clone(),
-        policy,
-        rewards,
-        ted,
-    };
-    run.artefact(dataset)?.write(folder)?;
-    Ok(())
+    let run = Prepared::new(dataset, config, folder, teacher, watch.audience())?;
+    let mut learned = learn(&[&run], watch);
+    run.finish(learned.swap_remove(0)?)
 }
 
 #[cfg(test)]

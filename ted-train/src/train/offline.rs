@@ -1,18 +1,21 @@
-//! Phase 4: the offline learner's loop, with metrics, checkpoints and a clean stop.
+//! Phase 4: the offline learner's loop, with metrics, checkpoints and a clean stop, for one run or for many at once.
+//!
+//! Runs that learn alike are lanes of one learner and advance together. Each keeps a journal of its own; a run that diverges
+//! or cannot write ends with its error, and its members go on computing beside the others, who do not notice.
 
 use std::thread;
 
 use firmware_sim::interrupt;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::algorithm::AlgorithmConfig;
-use crate::config::Config;
-use crate::dataset::Dataset;
-use crate::iql::{Iql, Replay, UpdateMetrics};
+use crate::iql::{Batch, Iql, Replay, UpdateMetrics};
 use crate::nn::ExportedMlp;
-use crate::rng::Seed;
-use crate::run::{EventWriter, MetricsLog, RunError, RunFolder, Saver};
+use crate::run::{Checkpoint, ForeignCheckpoint, RunError};
 
+use super::journal::Journal;
+use super::prepared::Prepared;
 use super::{TrainError, Watch};
 
 /// A row of `metrics.jsonl`.
@@ -23,96 +26,137 @@ pub struct OfflineMetrics {
     actor_rate: f64,
 }
 
-pub(super) struct LearnedPolicy {
-    pub actor: ExportedMlp,
-    pub shift: Vec<f32>,
-    pub scale: Vec<f32>,
+/// What the last phase of a run ends with.
+pub struct LearnedPolicy {
+    pub(super) actor: ExportedMlp,
+    pub(super) shift: Vec<f32>,
+    pub(super) scale: Vec<f32>,
 }
 
 impl LearnedPolicy {
-    /// The actor of the first lane, and the standardisation that its inputs need.
-    pub(super) fn new(iql: &Iql, replay: &Replay<'_>) -> Self {
+    /// An actor, and the standardisation that its inputs need.
+    pub(super) fn new(actor: ExportedMlp, replay: &Replay<'_>) -> Self {
         Self {
-            actor: iql.actors().swap_remove(0),
+            actor,
             shift: replay.shift().to_vec(),
             scale: replay.scale().to_vec(),
         }
     }
 }
 
-/// Trains to the last step, going on from the newest checkpoint in the folder.
-pub(super) fn learn(
-    dataset: &Dataset,
-    config: &Config,
-    folder: &RunFolder,
-    rewards: Vec<f32>,
-    discounts: Vec<f32>,
-    root: Seed,
-    watch: Watch<'_>,
-) -> Result<LearnedPolicy, TrainError> {
-    let AlgorithmConfig::Iql(settings) = &config.algorithm;
-    let replay = Replay::new(dataset, rewards, discounts);
-    let digest = config.digest();
-    let seeds = [root.child("iql")];
-    let mut iql = Iql::new(
-        settings.clone(),
-        dataset.observation_dim(),
-        dataset.action_dim(),
-        &seeds,
-        config.backend,
-    );
-    if let Some(checkpoint) = folder.newest_checkpoint(config, watch.audience()) {
-        iql.restore(&[&checkpoint]).map_err(RunError::from)?;
+/// Trains every run to its last step, going on from what it has saved, and says of each how it ended, in their order. What a
+/// run learns does not depend on the others.
+pub fn learn(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPolicy, TrainError>> {
+    let mut ends = Vec::new();
+    let mut left: Vec<(usize, &Prepared<'_>)> = lanes.iter().copied().enumerate().collect();
+    while let Some(&(_, first)) = left.first() {
+        let (alike, others): (Vec<_>, Vec<_>) = left
+            .into_iter()
+            .partition(|(_, lane)| lane.learns_like(first));
+        left = others;
+        let (places, alike): (Vec<_>, Vec<_>) = alike.into_iter().unzip();
+        ends.extend(places.into_iter().zip(together(&alike, watch)));
     }
-    let mut metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), iql.step())?;
-    let mut events = EventWriter::create(folder.path(), iql.step())?;
-    let progress = watch.updates(settings.steps);
-    progress.skip(iql.step());
-
-    let stream = root.child("iql/batch");
-    thread::scope(|scope| {
-        let saver = Saver::start(scope, folder, &metrics)?;
-        while iql.step() < settings.steps {
-            if interrupt::requested() {
-                // Whether it was handed over is seen at the end.
-                let _ = saver.save(iql.checkpoint(0, digest));
-                saver.finish()?;
-                return Err(TrainError::Interrupted { step: iql.step() });
-            }
-            let losses = iql.update(&replay.batch(stream, iql.step(), settings.batch));
-            progress.advance(1);
-            let step = iql.step();
-            let last = step == settings.steps;
-            if step.is_multiple_of(config.schedule.log_every) || last {
-                let update = losses.read().swap_remove(0);
-                finite(&update, step)?;
-                let row = OfflineMetrics {
-                    update,
-                    actor_rate: settings.actor_rate(step),
-                };
-                let row = metrics.push("iql", step, &row)?;
-                events.push("iql", step, &row)?;
-                progress.say(&format!("value {:.3}", update.value));
-            }
-            let due = step.is_multiple_of(config.schedule.checkpoint_every) || last;
-            if due && !saver.save(iql.checkpoint(0, digest)) {
-                break;
-            }
-        }
-        Ok(saver.finish()?)
-    })?;
-    progress.finish();
-    Ok(LearnedPolicy::new(&iql, &replay))
+    ends.sort_by_key(|&(place, _)| place);
+    ends.into_iter().map(|(_, end)| end).collect()
 }
 
-fn finite(update: &UpdateMetrics, step: u64) -> Result<(), TrainError> {
-    let losses = [
-        ("value", update.value_loss),
-        ("policy", update.policy_loss),
-        ("critic", update.critic_loss),
-    ];
-    match losses.iter().find(|(_, loss)| !loss.is_finite()) {
-        Some(&(network, _)) => Err(TrainError::Diverged { network, step }),
-        None => Ok(()),
+/// The same for runs that learn alike.
+fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPolicy, TrainError>> {
+    let mut iql = match learner(lanes) {
+        Ok(iql) => iql,
+        Err(error) if lanes.len() == 1 => return vec![Err(RunError::from(error).into())],
+        // It is told of the one that it belongs to.
+        Err(_) => {
+            let alone = lanes.iter().flat_map(|lane| together(&[lane], watch));
+            return alone.collect();
+        }
+    };
+    let AlgorithmConfig::Iql(settings) = &lanes[0].config.algorithm;
+    let count = lanes.len() as u64;
+    let progress = watch.updates(settings.steps * count);
+    progress.skip(iql.step() * count);
+    let replays: Vec<_> = lanes
+        .iter()
+        .map(|lane| (lane.replay(), lane.root().child("iql/batch")))
+        .collect();
+
+    let ends: Vec<Result<(), TrainError>> = thread::scope(|scope| {
+        let mut journals: Vec<_> = lanes
+            .iter()
+            .map(|lane| Journal::begin(scope, lane))
+            .collect();
+        while iql.step() < settings.steps {
+            let going_on = journals.iter().flatten().count();
+            if going_on == 0 || interrupt::requested() {
+                break;
+            }
+            let (at, size) = (iql.step(), settings.batch);
+            let batches = replays.par_iter();
+            let batches = batches.map(|(replay, stream)| replay.batch(*stream, at, size));
+            let losses = iql.update(&Batch::of_lanes(batches.collect()));
+            progress.advance(going_on as u64);
+            let step = iql.step();
+            if !journals.iter().flatten().any(|it| it.is_due(step)) {
+                continue;
+            }
+            let updates = losses.read();
+            progress.say(&format!("value {:.3}", updates[0].value));
+            let written = journals.into_iter().zip(updates).enumerate();
+            journals = written
+                .map(|(lane, (journal, update))| {
+                    let actor_rate = settings.actor_rate(step);
+                    let row = OfflineMetrics { update, actor_rate };
+                    journal?.write(step, &row, |digest| iql.checkpoint(lane, digest))
+                })
+                .collect();
+        }
+        let (step, stopped) = (iql.step(), iql.step() < settings.steps);
+        let ends = journals.into_iter().enumerate();
+        ends.map(|(lane, journal)| match stopped {
+            true => Err(journal?.stop(step, |digest| iql.checkpoint(lane, digest))),
+            false => journal?.finish(),
+        })
+        .collect()
+    });
+    progress.finish();
+    let learned = ends.into_iter().zip(iql.actors()).zip(&replays);
+    learned
+        .map(|((end, actor), (replay, _))| end.map(|()| LearnedPolicy::new(actor, replay)))
+        .collect()
+}
+
+/// A lane for each run, as far as it has come.
+fn learner(lanes: &[&Prepared<'_>]) -> Result<Iql, ForeignCheckpoint> {
+    let first = lanes[0];
+    let AlgorithmConfig::Iql(settings) = &first.config.algorithm;
+    let seeds: Vec<_> = lanes.iter().map(|lane| lane.root().child("iql")).collect();
+    let mut iql = Iql::new(
+        settings.clone(),
+        first.dataset.observation_dim(),
+        first.dataset.action_dim(),
+        &seeds,
+        first.config.backend,
+    );
+    // Before the first update a fresh lane is what was saved, and one that was never saved is fresh.
+    if first.step() > 0 {
+        let saved: Vec<&Checkpoint> = lanes.iter().flat_map(|lane| &lane.saved).collect();
+        iql.restore(&saved)?;
+    }
+    Ok(iql)
+}
+
+impl OfflineMetrics {
+    /// Refuses to go on with a network that has diverged.
+    pub(super) fn finite(&self, step: u64) -> Result<(), TrainError> {
+        let losses = [
+            ("value", self.update.value_loss),
+            ("policy", self.update.policy_loss),
+            ("critic", self.update.critic_loss),
+        ];
+        match losses.iter().find(|(_, loss)| !loss.is_finite()) {
+            Some(&(network, _)) => Err(TrainError::Diverged { network, step }),
+            None => Ok(()),
+        }
     }
 }

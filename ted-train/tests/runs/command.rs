@@ -8,7 +8,7 @@ use std::time::Duration;
 use tempfile::TempDir;
 
 /// A small run: every phase, nothing that takes long, no flight.
-const SMALL: [&str; 12] = [
+pub const SMALL: [&str; 12] = [
     "algorithm.hidden=[32, 32]",
     "algorithm.batch=16",
     "algorithm.steps=60",

@@ -132,3 +132,17 @@ fn mistakes_are_told_before_anything_is_begun() {
         assert!(!desk.run("runs").exists(), "{arguments:?}");
     }
 }
+
+#[test]
+#[cfg(not(feature = "cuda"))]
+fn a_gpu_that_this_build_cannot_use_is_told_with_the_way_to_one_that_can() {
+    let desk = Desk::with_dataset();
+    finish(desk.train("run", "true", &[]).args(["--device", "cuda"]))
+        .with(1)
+        .telling("--features cuda")
+        .telling("--device cpu");
+    assert!(!desk.run("run").exists(), "nothing was begun");
+    finish(desk.train("run", "true", &[]).args(["--device", "cpu"])).with(0);
+    let config = fs::read_to_string(desk.run("run").join("config.toml")).unwrap();
+    assert!(config.contains("backend = \"fused\""), "{config}");
+}

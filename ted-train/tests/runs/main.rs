@@ -2,6 +2,7 @@
 
 mod bad_datasets;
 mod bad_settings;
+mod batch;
 mod command;
 mod dataset;
 mod fleet;

@@ -1,0 +1,106 @@
+//! A run on both sides of its last phase: with a reward and a discount for every transition it can learn a policy, and with
+//! the policy it writes its artefact.
+
+use firmware_sim::progress::Audience;
+use ted_core::TedDiscount;
+
+use crate::config::Config;
+use crate::dataset::Dataset;
+use crate::iql::Replay;
+use crate::preferences::Teacher;
+use crate::rng::Seed;
+use crate::run::{Checkpoint, RunFolder};
+
+use super::offline::LearnedPolicy;
+use super::rewards::{self, Rewards};
+use super::{FinishedRun, TrainError, check};
+
+/// A run that has nothing left to do but to learn a policy.
+pub struct Prepared<'a> {
+    pub(super) dataset: &'a Dataset,
+    pub(super) config: &'a Config,
+    pub(super) folder: &'a RunFolder,
+    /// The updates that were made and saved before.
+    pub(super) saved: Option<Checkpoint>,
+    rewards: Rewards,
+    ted: Option<TedDiscount>,
+    discounts: Vec<f32>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Phases 1 to 3. A reward that the folder holds is not learned again; labels and discounts are always made again, which
+    /// takes seconds.
+    ///
+    /// # Errors
+    /// When [`check`] does, before anything is learned, and when a phase fails or is interrupted.
+    pub fn new(
+        dataset: &'a Dataset,
+        config: &'a Config,
+        folder: &'a RunFolder,
+        teacher: &mut dyn Teacher,
+        audience: Audience,
+    ) -> Result<Self, TrainError> {
+        check(dataset, config)?;
+
+        // Phase 1 and 2: a reward for each transition.
+        let root = Seed::root(config.seed);
+        let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
+        let returns_hat = rewards.labels.episode_returns(dataset);
+
+        // Phase 3: a discount for each transition.
+        let ted = config.discount.lookup(&returns_hat)?;
+        let discounts = config
+            .discount
+            .discounts(ted.as_ref(), dataset, &returns_hat);
+        Ok(Self {
+            dataset,
+            config,
+            folder,
+            saved: folder.newest_checkpoint(config, audience),
+            rewards,
+            ted,
+            discounts,
+        })
+    }
+
+    /// Writes the artefact of the policy that was learned.
+    ///
+    /// # Errors
+    /// When the controller could not run it, or the disk fails.
+    pub fn finish(self, policy: LearnedPolicy) -> Result<(), TrainError> {
+        let run = FinishedRun {
+            config: self.config.clone(),
+            policy,
+            rewards: self.rewards,
+            ted: self.ted,
+        };
+        run.artefact(self.dataset)?.write(self.folder)?;
+        Ok(())
+    }
+
+    /// The seed of everything random in the run.
+    pub(super) fn root(&self) -> Seed {
+        Seed::root(self.config.seed)
+    }
+
+    /// What the policy is learned from.
+    pub(super) fn replay(&self) -> Replay<'a> {
+        let rewards = self.rewards.labels.rewards.clone();
+        Replay::new(self.dataset, rewards, self.discounts.clone())
+    }
+
+    /// Updates that it goes on from.
+    pub(super) fn step(&self) -> u64 {
+        self.saved.as_ref().map_or(0, |checkpoint| checkpoint.step)
+    }
+
+    /// Whether one learner can teach both: networks of the same shapes, and the same updates still to make. Dataset, rewards,
+    /// discounts, seed and schedule may differ.
+    pub(super) fn learns_like(&self, other: &Self) -> bool {
+        let shapes = |of: &Self| (of.dataset.observation_dim(), of.dataset.action_dim());
+        self.config.algorithm == other.config.algorithm
+            && self.config.backend == other.config.backend
+            && shapes(self) == shapes(other)
+            && self.step() == other.step()
+    }
+}

@@ -1,0 +1,163 @@
+//! Runs that are made as one batch, as a fleet on a GPU is. Here it is computed by the processor, where each can be compared
+//! to the bit with what it is alone.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use firmware_sim::progress::Audience;
+use ted_train::config::{Overrides, Preset};
+use ted_train::fleet::{Datasets, Lane, LaneError, Trained, together};
+use ted_train::train::TrainError;
+
+use crate::command::{Desk, SMALL, assert_same_outcome, checkpoints};
+use crate::dataset;
+
+fn lane(desk: &Desk, folder: &str, preset: Preset, seed: u64, sets: &[&str]) -> Lane {
+    let learns = preset.name().starts_with("oprl");
+    let sets = SMALL.iter().chain(sets);
+    let sets = sets.filter(|set| learns || !set.starts_with("reward."));
+    let changes = sets.fold(Overrides::default(), |all, set| all.set(set).unwrap());
+    Lane {
+        dataset: desk.dataset(),
+        config: changes.resolve(Some(preset), Some(seed)).unwrap(),
+        folder: desk.run(folder),
+        answers: None,
+    }
+}
+
+fn on(dataset: PathBuf, lane: Lane) -> Lane {
+    Lane { dataset, ..lane }
+}
+
+fn batch(lanes: &[&Lane]) -> Vec<Result<Trained, LaneError>> {
+    let watch = Audience::Nobody.into();
+    together(lanes, &Datasets::default(), NonZeroUsize::MIN, watch)
+}
+
+/// Makes the run alone, in another folder.
+fn alone(desk: &Desk, lane: &Lane) -> PathBuf {
+    let name = lane.folder.file_name().unwrap().to_str().unwrap();
+    let folder = desk.run(&format!("{name}-alone"));
+    let lane = Lane {
+        folder: folder.clone(),
+        ..lane.clone()
+    };
+    batch(&[&lane]).swap_remove(0).unwrap();
+    folder
+}
+
+/// What a run that was stopped after its last checkpoint but one would have left.
+fn take_back(folder: &Path) {
+    fs::remove_file(folder.join("policy.ted")).unwrap();
+    fs::remove_file(checkpoints(folder).pop().unwrap()).unwrap();
+}
+
+#[test]
+fn runs_of_one_batch_leave_the_files_that_each_leaves_alone() {
+    let desk = Desk::with_dataset();
+    let other = dataset::write(desk.folder.path(), "other", &dataset::episodes(4, 45));
+    for backend in ["fused", "flex", "ndarray"] {
+        let set = format!("backend={backend}");
+        let set = set.as_str();
+        let name = |run: &str| format!("{backend}-{run}");
+        let lanes = [
+            lane(&desk, &name("ted"), Preset::OprlITed, 0, &[set]),
+            on(
+                other.clone(),
+                lane(&desk, &name("true"), Preset::True, 1, &[set]),
+            ),
+            lane(
+                &desk,
+                &name("zero"),
+                Preset::Zero,
+                2,
+                &[set, "schedule.log_every=2", "schedule.checkpoint_every=11"],
+            ),
+            // Cannot be a lane of the same learner, and need not be.
+            lane(
+                &desk,
+                &name("steps"),
+                Preset::True,
+                3,
+                &[set, "algorithm.steps=40"],
+            ),
+        ];
+        for end in batch(&lanes.each_ref()) {
+            end.unwrap();
+        }
+        for lane in &lanes {
+            assert_same_outcome(&lane.folder, &alone(&desk, lane));
+        }
+    }
+}
+
+#[test]
+fn a_run_that_fails_is_left_behind_and_the_others_keep_their_bytes() {
+    let desk = Desk::with_dataset();
+    let flex = "backend=flex";
+    let mut records = dataset::episodes(4, 45);
+    records[0].rewards[0] = 1e30;
+    let huge = dataset::write(desk.folder.path(), "huge", &records);
+    let lanes = [
+        lane(&desk, "first", Preset::True, 0, &[flex]),
+        on(
+            desk.run("nowhere"),
+            lane(&desk, "no-dataset", Preset::True, 1, &[flex]),
+        ),
+        on(
+            huge,
+            lane(
+                &desk,
+                "diverges",
+                Preset::True,
+                2,
+                &[flex, "unit_rewards=false"],
+            ),
+        ),
+        lane(&desk, "no-disk", Preset::True, 3, &[flex]),
+        lane(&desk, "last", Preset::Zero, 4, &[flex]),
+    ];
+    // A folder where its first checkpoint has to be.
+    let first = "checkpoints/000000000007.checkpoint";
+    fs::create_dir_all(lanes[3].folder.join(first)).unwrap();
+    let mut ends = batch(&lanes.each_ref()).into_iter();
+    let mut next = || ends.next().unwrap();
+    next().unwrap();
+    let (no_dataset, diverged, no_disk) = (next(), next(), next());
+    next().unwrap();
+    assert!(matches!(no_dataset, Err(LaneError::Dataset(_))));
+    let diverged = diverged.unwrap_err();
+    let told = matches!(diverged, LaneError::Train(TrainError::Diverged { .. }));
+    assert!(told, "{diverged}");
+    let no_disk = no_disk.unwrap_err().to_string();
+    assert!(no_disk.contains(first), "{no_disk}");
+    for lane in [&lanes[0], &lanes[4]] {
+        assert_same_outcome(&lane.folder, &alone(&desk, lane));
+    }
+    // What stood in the way is gone: the same call goes on.
+    fs::remove_dir(lanes[3].folder.join(first)).unwrap();
+    batch(&[&lanes[3]]).swap_remove(0).unwrap();
+    assert_same_outcome(&lanes[3].folder, &alone(&desk, &lanes[3]));
+}
+
+#[test]
+fn a_run_goes_on_alone_or_in_other_company_than_it_began_in() {
+    let desk = Desk::with_dataset();
+    let flex = "backend=flex";
+    let [first, second, third] = [("a", 0), ("b", 1), ("c", 2)]
+        .map(|(name, seed)| lane(&desk, name, Preset::True, seed, &[flex]));
+    for end in batch(&[&first, &second]) {
+        end.unwrap();
+    }
+    take_back(&first.folder);
+    take_back(&second.folder);
+    batch(&[&first]).swap_remove(0).unwrap();
+    // One of them is fifty-six updates ahead.
+    for end in batch(&[&second, &third]) {
+        end.unwrap();
+    }
+    for lane in [first, second, third] {
+        assert_same_outcome(&lane.folder, &alone(&desk, &lane));
+    }
+}
