@@ -86,6 +86,12 @@ documented() {
     RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --workspace --no-deps
 }
 
+# No GPU and no toolkit are needed for that; what burn's kernel compiler is linked with is not downloaded when it believes that only
+# documentation is built.
+with_cuda() {
+    DOCS_RS=1 cargo check --locked --release --workspace --features ted-train/cuda
+}
+
 without_std() {
     cargo check --locked --release --package firmware-sim --lib --no-default-features
     # On the device's own target too, where it is installed: the host would forgive a hidden use of std.
@@ -100,6 +106,7 @@ step "the bridge's Python, as far as it needs no simulator" "$python" -Es firmwa
 step "the controller without std" without_std
 step "no panic and no allocation in the device crates" tests/device-probe/check.sh
 step "lints" cargo clippy --locked --release --workspace --all-targets -- -D warnings
+step "types with CUDA" with_cuda
 step "documentation" documented
 step "the firmware images: no panic, no allocation, sizes" firmware-sim/firmware/check.sh
 step "tests" cargo test --locked --release --workspace

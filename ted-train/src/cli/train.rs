@@ -33,7 +33,7 @@ Examples:
 
 Any field of config.toml can be set, except preset and seed, which have flags of their own.
 Several datasets, presets or seeds make a fleet: every combination is a run with a folder of its own, runs go side by side \
-on all cores, and one that fails does not stop the others. What a run learns does not depend on its company.
+on all cores, or as one batch on a GPU, and one that fails does not stop the others. What a run learns does not depend on its company.
 A stopped run goes on with the same command; a fleet does what is missing.";
 
 /// Where training is done.

@@ -6,7 +6,7 @@ use crate::nn::fixtures::{BACKENDS, assert_close, bits, values, wide};
 use crate::rng::Seed;
 use crate::run::Checkpoint;
 
-use super::{batch, config, learner};
+use super::{batch, batch_of, config, learner};
 
 /// Every number that a lane has, by tensor.
 fn state(iql: &Iql, lane: usize) -> Vec<(String, Vec<f32>)> {
@@ -84,6 +84,26 @@ fn lanes_side_by_side_learn_to_the_bit_what_each_learns_alone() {
             assert_eq!(there, here, "{backend:?}, lane {lane}");
             assert_eq!(together.actors()[lane], alone.actors()[0]);
         }
+    }
+}
+
+#[test]
+fn lanes_of_full_size_learn_to_the_bit_what_each_learns_alone() {
+    let full = |seeds: &[u64], backend| {
+        let seeds: Vec<_> = seeds.iter().map(|&seed| Seed::root(seed)).collect();
+        Iql::new(IqlConfig::default(), 39, 4, &seeds, backend)
+    };
+    for backend in BACKENDS {
+        let mut together = full(&[1, 2, 3], backend);
+        let mut alone = full(&[2], backend);
+        for step in 0..2 {
+            together.update(&batch_of([256, 39, 4], &[1, 2, 3], step));
+            alone.update(&batch_of([256, 39, 4], &[2], step));
+        }
+        assert!(
+            state_bits(&together, 1) == state_bits(&alone, 0),
+            "{backend:?}"
+        );
     }
 }
 

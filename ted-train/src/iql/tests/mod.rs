@@ -34,18 +34,22 @@ fn learner(config: &IqlConfig, seeds: &[u64], backend: Backend) -> Iql {
 
 /// A batch for each lane, the same wherever the lane stands.
 fn batch(lanes: &[u64], step: u64) -> Batch {
-    let mut batch = Batch::default();
-    for lane in lanes {
+    batch_of([ROWS, OBSERVATION, ACTION], lanes, step)
+}
+
+/// The same with so many rows, observations and actions.
+fn batch_of([rows, observation, action]: [usize; 3], lanes: &[u64], step: u64) -> Batch {
+    let of_lane = |lane: &u64| {
         let draw = |name: &str, count| numbers(count, &format!("{lane}/{step}/{name}"));
-        batch.observations.extend(draw("s", ROWS * OBSERVATION));
-        batch
-            .next_observations
-            .extend(draw("s'", ROWS * OBSERVATION));
-        batch.actions.extend(draw("a", ROWS * ACTION));
-        batch.rewards.extend(draw("r", ROWS));
         // Discounts of both kinds, and terminals.
-        let discounts = [0.99, 0.693, 0.99, 0.0, 0.693, 0.99];
-        batch.discounts.extend(discounts);
-    }
-    batch
+        let discounts = [0.99, 0.693, 0.99, 0.0, 0.693, 0.99].into_iter().cycle();
+        Batch {
+            observations: draw("s", rows * observation),
+            next_observations: draw("s'", rows * observation),
+            actions: draw("a", rows * action),
+            rewards: draw("r", rows),
+            discounts: discounts.take(rows).collect(),
+        }
+    };
+    Batch::of_lanes(lanes.iter().map(of_lane).collect())
 }
