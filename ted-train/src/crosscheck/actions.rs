@@ -6,13 +6,11 @@ use firmware_sim::progress::Audience;
 use rayon::prelude::*;
 use ted_core::{Policy, Scratch};
 
-use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::Dataset;
-use crate::iql::Iql;
-use crate::nn::Backend;
-use crate::rng::Seed;
-use crate::run::{Checkpoint, RunError};
+use crate::nn::{Backend, ExportedMlp, Mlp};
+use crate::run::Checkpoint;
+use crate::train::actor;
 
 use super::{CrosscheckError, Distance};
 
@@ -37,10 +35,9 @@ pub(super) fn compare(
     rows: &[usize],
     audience: Audience,
 ) -> Result<ActionDistances, CrosscheckError> {
-    let actor = |backend| Actor::new(backend, config, checkpoint, dataset);
-    let fused = actor(Backend::Fused)?;
-    let flex = actor(Backend::Flex)?;
-    let ndarray = actor(Backend::Ndarray)?;
+    let actor = actor(config, dataset, checkpoint)?;
+    let [fused, flex, ndarray] = [Backend::Fused, Backend::Flex, Backend::Ndarray]
+        .map(|backend| Actor::new(&actor, backend));
     let width = dataset.observation_dim();
     let progress = audience.start("compare actions", rows.len() as u64, "observations");
     let mut all = ActionDistances::default();
@@ -90,35 +87,21 @@ fn standardise(policy: &Policy<'_>, raw: &[f32]) -> Vec<f32> {
 
 /// The actor of a checkpoint on one of the engines.
 struct Actor {
-    iql: Iql,
+    network: Mlp,
+    backend: Backend,
 }
 
 impl Actor {
-    fn new(
-        backend: Backend,
-        config: &Config,
-        checkpoint: &Checkpoint,
-        dataset: &Dataset,
-    ) -> Result<Self, RunError> {
-        let AlgorithmConfig::Iql(settings) = &config.algorithm;
-        let mut iql = Iql::new(
-            settings.clone(),
-            dataset.observation_dim(),
-            dataset.action_dim(),
-            &[Seed::root(config.seed)],
-            backend,
-        );
-        iql.restore(&[checkpoint])?;
-        Ok(Self { iql })
+    fn new(actor: &ExportedMlp, backend: Backend) -> Self {
+        let network = Mlp::from_exported(actor, backend);
+        Self { network, backend }
     }
 
     fn act(&self, observations: Vec<f32>, rows: usize) -> Vec<f32> {
         let width = observations.len() / rows;
-        let batch: Tensor<3> = Tensor::from_data(
-            TensorData::new(observations, [1, rows, width]),
-            &self.iql.backend.device(),
-        );
-        let actions = self.iql.actor.forward(batch).into_data();
+        let batch = TensorData::new(observations, [1, rows, width]);
+        let batch: Tensor<3> = Tensor::from_data(batch, &self.backend.device());
+        let actions = self.network.forward(batch).into_data();
         actions.try_to_vec().expect("a float tensor holds f32")
     }
 }

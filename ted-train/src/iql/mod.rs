@@ -34,4 +34,4 @@ pub use config::IqlConfig;
 use losses::{critic_loss, expectile_loss, policy_loss};
 pub use networks::{ACTOR_OUTPUT, Iql};
 pub use replay::Replay;
-pub use update::{Batch, UpdateMetrics};
+pub use update::{Batch, Losses, UpdateMetrics};

@@ -50,6 +50,8 @@ pub struct UpdateMetrics {
     pub value: f32,
     /// Mean advantage over the batch.
     pub advantage: f32,
+    /// The actor's step size in the next update.
+    pub actor_rate: f64,
 }
 
 impl Iql {
@@ -148,6 +150,7 @@ impl Iql {
             critic_loss,
             value: v,
             advantage,
+            actor_rate: self.config.actor_rate(step),
         }
     }
 }
@@ -159,6 +162,7 @@ pub struct Losses {
     critic_loss: Tensor<3>,
     value: Tensor<3>,
     advantage: Tensor<3>,
+    actor_rate: f64,
 }
 
 impl Losses {
@@ -177,6 +181,7 @@ impl Losses {
             critic_loss: critic_loss[lane],
             value: value[lane],
             advantage: advantage[lane],
+            actor_rate: self.actor_rate,
         };
         (0..lanes).map(of_lane).collect()
     }

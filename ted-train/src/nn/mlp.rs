@@ -6,7 +6,7 @@ use rand::Rng;
 use super::parameters::{Gradients, Parameters};
 use super::passes::Passes;
 use super::plain::{self, Plain};
-use super::{Backend, Initialiser, fused};
+use super::{Backend, ExportedMlp, Initialiser, fused};
 
 /// The function applied to the output of the last layer. Hidden layers are always ReLU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -101,6 +101,22 @@ impl Mlp {
             }
         };
         Self { parameters, output }
+    }
+
+    /// The one member that was exported, on any backend.
+    pub(crate) fn from_exported(exported: &ExportedMlp, backend: Backend) -> Self {
+        let device = backend.device();
+        let layers = exported.layers.iter().map(|layer| {
+            let outputs = layer.bias.len();
+            let inputs = layer.weight.len() / outputs;
+            let weight = TensorData::new(layer.weight.clone(), [1, outputs, inputs]);
+            let bias = TensorData::new(layer.bias.clone(), [1, 1, outputs]);
+            Linear {
+                weight: Tensor::from_data(weight, &device).swap_dims(1, 2),
+                bias: Tensor::from_data(bias, &device),
+            }
+        });
+        Self::from_layers(layers.collect(), exported.output, backend)
     }
 
     /// Activation of the last layer.

@@ -4,11 +4,10 @@ use firmware_sim::progress::Audience;
 use ted_core::{RewardRange, TedDiscount};
 use ted_policy::Digest;
 
-use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
-use crate::iql::{Iql, Replay};
+use crate::iql::Replay;
 use crate::nn::{Backend, ExportedMlp};
 use crate::reward::Labels;
 use crate::reward::oprl::ExportedEnsemble;
@@ -40,22 +39,13 @@ impl FinishedRun {
     ) -> Result<Self, TrainError> {
         let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
         let checkpoint = last_checkpoint(folder, &config, audience)?;
-        let AlgorithmConfig::Iql(iql_config) = &config.algorithm;
-        let mut iql = Iql::new(
-            iql_config.clone(),
-            dataset.observation_dim(),
-            dataset.action_dim(),
-            &[Seed::root(config.seed).child("iql")],
-            // A checkpoint is numbers, whatever computed them.
-            Backend::default(),
-        );
-        iql.restore(&[&checkpoint]).map_err(RunError::from)?;
+        let actor = actor(&config, dataset, &checkpoint)?;
         let rewards = rewards::relabel(dataset, &config, folder, audience)?;
         let ted = config
             .discount
             .lookup(&rewards.labels.episode_returns(dataset))?;
         let replay = Replay::new(dataset, Vec::new(), Vec::new());
-        let policy = LearnedPolicy::new(iql.actors().swap_remove(0), &replay);
+        let policy = LearnedPolicy::new(actor, &replay);
         Ok(Self {
             config,
             policy,
@@ -133,6 +123,26 @@ impl FinishedRun {
     fn for_the_controller<T>(&self, part: T) -> Option<T> {
         self.config.unit_rewards.then_some(part)
     }
+}
+
+/// The policy of a checkpoint of a run on this dataset.
+///
+/// # Errors
+/// When the checkpoint is of another run.
+pub fn actor(
+    config: &Config,
+    dataset: &Dataset,
+    checkpoint: &Checkpoint,
+) -> Result<ExportedMlp, RunError> {
+    let (observation, action) = (dataset.observation_dim(), dataset.action_dim());
+    let roots = [Seed::root(config.seed)];
+    // A checkpoint is numbers, whatever computed them.
+    let backend = Backend::default();
+    let mut learner = config
+        .algorithm
+        .learner(observation, action, &roots, backend);
+    learner.restore(&[checkpoint])?;
+    Ok(learner.actors().swap_remove(0))
 }
 
 /// The checkpoint after the last update of a run.

@@ -2,16 +2,17 @@
 
 use std::thread::Scope;
 
+use crate::algorithm::Metrics;
 use crate::config::{Config, Schedule};
 use crate::run::{Checkpoint, EventWriter, MetricsLog, Saver};
 
 use super::TrainError;
-use super::offline::OfflineMetrics;
 use super::prepared::Prepared;
 
 /// The files that grow while one run learns.
 pub(super) struct Journal<'s> {
     schedule: Schedule,
+    phase: &'static str,
     steps: u64,
     digest: [u8; 32],
     metrics: MetricsLog,
@@ -34,6 +35,7 @@ impl<'s> Journal<'s> {
         let metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), step)?;
         Ok(Self {
             schedule: schedule.clone(),
+            phase: algorithm.name(),
             steps: algorithm.steps(),
             digest: lane.config.digest(),
             events: EventWriter::create(folder.path(), step)?,
@@ -50,17 +52,17 @@ impl<'s> Journal<'s> {
     /// Writes what is due after this update.
     ///
     /// # Errors
-    /// When a loss is not finite, or something before could not be written.
+    /// When a number is not finite, or something before could not be written.
     pub(super) fn write(
         mut self,
         step: u64,
-        row: &OfflineMetrics,
+        row: &Metrics,
         checkpoint: impl FnOnce([u8; 32]) -> Checkpoint,
     ) -> Result<Self, TrainError> {
         if self.row_is_due(step) {
-            row.finite(step)?;
-            let row = self.metrics.push("iql", step, row)?;
-            self.events.push("iql", step, &row)?;
+            finite(row, step)?;
+            let row = self.metrics.push(self.phase, step, row)?;
+            self.events.push(self.phase, step, &row)?;
         }
         if self.checkpoint_is_due(step) {
             self.saver = self.saver.save(checkpoint(self.digest))?;
@@ -92,5 +94,16 @@ impl<'s> Journal<'s> {
 
     fn checkpoint_is_due(&self, step: u64) -> bool {
         step.is_multiple_of(self.schedule.checkpoint_every) || step == self.steps
+    }
+}
+
+/// Refuses to go on with a learner that has diverged.
+fn finite(row: &Metrics, step: u64) -> Result<(), TrainError> {
+    match row.iter().find(|(_, number)| number.is_null()) {
+        Some((metric, _)) => Err(TrainError::Diverged {
+            metric: metric.replace('_', " "),
+            step,
+        }),
+        None => Ok(()),
     }
 }

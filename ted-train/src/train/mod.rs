@@ -7,8 +7,8 @@ mod prepared;
 mod rewards;
 mod watch;
 
-pub use finished::{FinishedRun, last_checkpoint, newest_step};
-pub use offline::{LearnedPolicy, OfflineMetrics, learn};
+pub use finished::{FinishedRun, actor, last_checkpoint, newest_step};
+pub use offline::{LearnedPolicy, learn};
 pub use prepared::Prepared;
 pub use rewards::RewardReport;
 pub use watch::Watch;
@@ -48,11 +48,11 @@ pub enum TrainError {
     Export(#[from] ExportError),
     /// A loss is no longer a number.
     #[error(
-        "the {network} loss is not finite after {step} updates: the learning rate or the rewards are too large"
+        "the {metric} is not finite after {step} updates: the learning rate or the rewards are too large"
     )]
     Diverged {
-        /// Which network.
-        network: &'static str,
+        /// Which number.
+        metric: String,
         /// Updates made.
         step: u64,
     },

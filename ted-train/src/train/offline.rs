@@ -7,24 +7,15 @@ use std::thread;
 
 use firmware_sim::interrupt;
 use rayon::prelude::*;
-use serde::Serialize;
 
-use crate::algorithm::AlgorithmConfig;
-use crate::iql::{Batch, Iql, Replay, UpdateMetrics};
+use crate::algorithm::{Learner, Metrics};
+use crate::iql::{Batch, Replay};
 use crate::nn::ExportedMlp;
 use crate::run::{Checkpoint, ForeignCheckpoint, RunError};
 
 use super::journal::Journal;
 use super::prepared::Prepared;
 use super::{TrainError, Watch};
-
-/// A row of `metrics.jsonl`.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct OfflineMetrics {
-    #[serde(flatten)]
-    update: UpdateMetrics,
-    actor_rate: f64,
-}
 
 /// What the last phase of a run ends with.
 pub struct LearnedPolicy {
@@ -63,8 +54,8 @@ pub fn learn(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPol
 
 /// The same for runs that learn alike.
 fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPolicy, TrainError>> {
-    let mut iql = match learner(lanes) {
-        Ok(iql) => iql,
+    let mut learner = match learner(lanes) {
+        Ok(learner) => learner,
         Err(error) if lanes.len() == 1 => return vec![Err(RunError::from(error).into())],
         // It is told of the one that it belongs to.
         Err(_) => {
@@ -72,13 +63,15 @@ fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPoli
             return alone.collect();
         }
     };
-    let AlgorithmConfig::Iql(settings) = &lanes[0].config.algorithm;
+    let algorithm = &lanes[0].config.algorithm;
     let count = lanes.len() as u64;
-    let progress = watch.updates(settings.steps * count);
-    progress.skip(iql.step() * count);
-    let replays: Vec<_> = lanes
+    let progress = watch.updates(algorithm.steps() * count);
+    progress.skip(learner.step() * count);
+    let replays: Vec<_> = lanes.iter().map(|lane| lane.replay()).collect();
+    let replays: Vec<_> = replays.iter().collect();
+    let streams: Vec<_> = lanes
         .iter()
-        .map(|lane| (lane.replay(), lane.root().child("iql/batch")))
+        .map(|lane| algorithm.stream(lane.root()))
         .collect();
 
     let ends: Vec<Result<(), TrainError>> = thread::scope(|scope| {
@@ -86,77 +79,70 @@ fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPoli
             .iter()
             .map(|lane| Journal::begin(scope, lane))
             .collect();
-        while iql.step() < settings.steps {
+        while learner.step() < algorithm.steps() {
             let going_on = journals.iter().flatten().count();
             if going_on == 0 || interrupt::requested() {
                 break;
             }
-            let (at, size) = (iql.step(), settings.batch);
-            let batches = replays.par_iter();
+            let (at, size) = (learner.step(), algorithm.batch());
+            let batches = replays.par_iter().zip(&streams);
             let batches = batches.map(|(replay, stream)| replay.batch(*stream, at, size));
-            let losses = iql.update(&Batch::of_lanes(batches.collect()));
+            let batch = Batch::of_lanes(batches.collect());
+            learner.prepare(&replays);
+            let losses = learner.update(&batch);
             progress.advance(going_on as u64);
-            let step = iql.step();
+            let step = learner.step();
             if !journals.iter().flatten().any(|it| it.is_due(step)) {
                 continue;
             }
             let updates = losses.read();
-            progress.say(&format!("value {:.3}", updates[0].value));
+            progress.say(&headline(&updates[0]));
             let written = journals.into_iter().zip(updates).enumerate();
             journals = written
-                .map(|(lane, (journal, update))| {
-                    let actor_rate = settings.actor_rate(step);
-                    let row = OfflineMetrics { update, actor_rate };
-                    journal?.write(step, &row, |digest| iql.checkpoint(lane, digest))
+                .map(|(lane, (journal, row))| {
+                    journal?.write(step, &row, |digest| learner.checkpoint(lane, digest))
                 })
                 .collect();
         }
-        let (step, stopped) = (iql.step(), iql.step() < settings.steps);
+        let (step, stopped) = (learner.step(), learner.step() < algorithm.steps());
         let ends = journals.into_iter().enumerate();
         ends.map(|(lane, journal)| match stopped {
-            true => Err(journal?.stop(step, |digest| iql.checkpoint(lane, digest))),
+            true => Err(journal?.stop(step, |digest| learner.checkpoint(lane, digest))),
             false => journal?.finish(),
         })
         .collect()
     });
     progress.finish();
-    let learned = ends.into_iter().zip(iql.actors()).zip(&replays);
+    let learned = ends.into_iter().zip(learner.actors()).zip(&replays);
     learned
-        .map(|((end, actor), (replay, _))| end.map(|()| LearnedPolicy::new(actor, replay)))
+        .map(|((end, actor), replay)| end.map(|()| LearnedPolicy::new(actor, replay)))
         .collect()
 }
 
 /// A lane for each run, as far as it has come.
-fn learner(lanes: &[&Prepared<'_>]) -> Result<Iql, ForeignCheckpoint> {
+fn learner(lanes: &[&Prepared<'_>]) -> Result<Box<dyn Learner>, ForeignCheckpoint> {
     let first = lanes[0];
-    let AlgorithmConfig::Iql(settings) = &first.config.algorithm;
-    let seeds: Vec<_> = lanes.iter().map(|lane| lane.root().child("iql")).collect();
-    let mut iql = Iql::new(
-        settings.clone(),
+    let roots: Vec<_> = lanes.iter().map(|lane| lane.root()).collect();
+    let mut learner = first.config.algorithm.learner(
         first.dataset.observation_dim(),
         first.dataset.action_dim(),
-        &seeds,
+        &roots,
         first.config.backend,
     );
     // Before the first update a fresh lane is what was saved, and one that was never saved is fresh.
     if first.step() > 0 {
         let saved: Vec<&Checkpoint> = lanes.iter().flat_map(|lane| &lane.saved).collect();
-        iql.restore(&saved)?;
+        learner.restore(&saved)?;
     }
-    Ok(iql)
+    Ok(learner)
 }
 
-impl OfflineMetrics {
-    /// Refuses to go on with a network that has diverged.
-    pub(super) fn finite(&self, step: u64) -> Result<(), TrainError> {
-        let losses = [
-            ("value", self.update.value_loss),
-            ("policy", self.update.policy_loss),
-            ("critic", self.update.critic_loss),
-        ];
-        match losses.iter().find(|(_, loss)| !loss.is_finite()) {
-            Some(&(network, _)) => Err(TrainError::Diverged { network, step }),
-            None => Ok(()),
-        }
-    }
+/// What a person who waits sees of an update: the mean value, or else the first of its losses.
+fn headline(metrics: &Metrics) -> String {
+    let losses = metrics.iter().find(|(name, _)| name.ends_with("_loss"));
+    let first = metrics.get_key_value("value").or(losses);
+    first.map_or(String::new(), |(name, number)| {
+        let number = number.as_f64().unwrap_or(f64::NAN);
+        format!("{} {number:.3}", name.replace('_', " "))
+    })
 }
