@@ -8,6 +8,7 @@ mod config;
 mod labels;
 pub mod oprl;
 pub mod quality;
+pub mod transport;
 
 pub use config::RewardConfig;
 pub use labels::{

@@ -4,6 +4,21 @@ use crate::dataset::{Dataset, ObservationStatistics};
 
 use super::config::{InputScaling, OprlConfig, RewardInputs};
 
+impl InputScaling {
+    /// What is subtracted from each channel of an observation, and what it is multiplied with then.
+    #[must_use]
+    pub fn shift_and_scale(self, statistics: &ObservationStatistics) -> [Vec<f32>; 2] {
+        let channels = statistics.mean.len();
+        match self {
+            Self::Raw {} => [vec![0.0; channels], vec![1.0; channels]],
+            Self::Standard { floor } => [
+                statistics.mean.clone(),
+                statistics.std.iter().map(|s| 1.0 / s.max(floor)).collect(),
+            ],
+        }
+    }
+}
+
 /// The affine map `(raw - shift) * scale` of every input channel: the observation's, then the action's if it is one.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct InputMap {
@@ -20,13 +35,7 @@ impl InputMap {
     #[must_use]
     pub fn new(config: &OprlConfig, statistics: &ObservationStatistics, action_dim: usize) -> Self {
         let observation_dim = statistics.mean.len();
-        let (mut shift, mut scale) = match config.scaling {
-            InputScaling::Raw {} => (vec![0.0; observation_dim], vec![1.0; observation_dim]),
-            InputScaling::Standard { floor } => (
-                statistics.mean.clone(),
-                statistics.std.iter().map(|s| 1.0 / s.max(floor)).collect(),
-            ),
-        };
+        let [mut shift, mut scale] = config.scaling.shift_and_scale(statistics);
         if config.inputs == RewardInputs::ObservationAction {
             shift.resize(observation_dim + action_dim, 0.0);
             scale.resize(observation_dim + action_dim, 1.0);
