@@ -11,6 +11,7 @@ pub mod dataset;
 pub mod doctor;
 pub mod evaluate;
 pub mod export;
+pub mod filter;
 pub mod fleet;
 pub mod inspect;
 pub mod iql;

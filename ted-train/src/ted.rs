@@ -118,6 +118,11 @@ pub(crate) fn ranking(returns: &[f64]) -> Vec<usize> {
     ranking
 }
 
+/// How many of `count` are the top `k` percent, rounded to the nearest; between two, up.
+pub(crate) fn share(count: usize, k: f64) -> usize {
+    (count as f64 * k / 100.0).round() as usize
+}
+
 /// The border of the top `k` percent, rounded to whole episodes. `exact` brings a return to a number that orders as it does:
 /// integer returns have far fewer than 53 bits.
 fn threshold<R: Copy>(
@@ -126,7 +131,7 @@ fn threshold<R: Copy>(
     [all, none]: [ReturnThreshold<R>; 2],
     exact: impl Fn(R) -> f64,
 ) -> ReturnThreshold<R> {
-    let keep = (returns_hat.len() as f64 * k / 100.0).round() as usize;
+    let keep = share(returns_hat.len(), k);
     if keep >= returns_hat.len() {
         // Also an episode worse than all of these is in then.
         return all;

@@ -1,8 +1,9 @@
-//! Drawing batches: uniform with replacement, straight from the dataset's arrays.
+//! Drawing batches: uniform with replacement over the kept transitions, straight from the dataset's arrays.
 
 use rand::RngExt;
 
 use crate::dataset::Dataset;
+use crate::filter::Kept;
 use crate::rng::Seed;
 
 use super::Batch;
@@ -14,6 +15,7 @@ pub struct Replay<'a> {
     scale: Vec<f32>,
     rewards: Vec<f32>,
     discounts: Vec<f32>,
+    kept: Kept,
 }
 
 /// Added to the standard deviation of a channel, so that a constant one becomes zero instead of noise.
@@ -23,7 +25,7 @@ const STD_FLOOR: f32 = 1e-3;
 const ACTION_LIMIT: f32 = 1.0 - 1e-5;
 
 impl<'a> Replay<'a> {
-    /// Joins a dataset with its labels.
+    /// Joins a dataset with its labels. All transitions may be drawn.
     #[must_use]
     pub fn new(dataset: &'a Dataset, rewards: Vec<f32>, discounts: Vec<f32>) -> Self {
         let statistics = dataset.observation_statistics();
@@ -38,7 +40,14 @@ impl<'a> Replay<'a> {
             scale,
             rewards,
             discounts,
+            kept: Kept::all(dataset),
         }
+    }
+
+    /// Draws from these transitions only. Observations stay standardised by the whole dataset.
+    #[must_use]
+    pub fn keep(self, kept: Kept) -> Self {
+        Self { kept, ..self }
     }
 
     /// Mean of each observation channel: subtracted first.
@@ -66,7 +75,7 @@ impl<'a> Replay<'a> {
             discounts: Vec::with_capacity(size),
         };
         for _ in 0..size {
-            let step = rng.random_range(0..self.dataset.step_count());
+            let step = self.kept.step(rng.random_range(0..self.kept.count()));
             self.standardise(self.dataset.observation(step), &mut batch.observations);
             self.standardise(
                 self.dataset.next_observation(step),
