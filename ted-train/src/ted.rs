@@ -8,7 +8,10 @@
 //!
 //! The ranking is stable: between equal predicted returns the earlier episode wins. What decides is
 //! [`ted_core::TedDiscount`], the same lookup that the controller uses on an episode it has just flown.
+//!
+//! Beside it stand other readings of the idea that a low prediction is to be believed: `alternatives.rs` has their equations.
 
+mod alternatives;
 #[cfg(test)]
 mod inversion;
 
@@ -16,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use ted_core::{DiscountClass, DiscountError, NEW_EPISODE, ReturnThreshold, TedDiscount};
 
 use crate::dataset::Dataset;
+use crate::reward::Labels;
 
 /// The choice of a discount rule.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +39,40 @@ pub enum DiscountConfig {
         /// Factor on the discount of the others, in [0, 1].
         sigma: f32,
     },
+    /// TED by transition: what is ranked is the predicted reward of a transition, not the return of its episode.
+    TedTransition {
+        /// Discount factor of the top k %, in [0, 1].
+        gamma: f32,
+        /// Share of transitions that keep the full discount factor, in percent.
+        k: f64,
+        /// Factor on the discount of the others, in [0, 1].
+        sigma: f32,
+    },
+    /// TED without a border: the discount falls linearly with an episode's place in the ranking.
+    TedSoft {
+        /// Discount factor of the best episode, in [0, 1].
+        gamma: f32,
+        /// Factor on the discount of the worst episode, in [0, 1].
+        sigma: f32,
+    },
+    /// TED's episodes with another consequence: below the border rewards are lowered instead of discounts.
+    RewardPenalty {
+        /// Discount factor of every transition, in [0, 1].
+        gamma: f32,
+        /// Share of episodes that keep their rewards, in percent.
+        k: f64,
+        /// Subtracted from each reward of the others, in the unit of the labels; at least 0.
+        penalty: f32,
+    },
+}
+
+/// What an offline algorithm is given for each transition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Discounted {
+    /// Its reward.
+    pub rewards: Vec<f32>,
+    /// Its discount factor: 0 after a terminal.
+    pub discounts: Vec<f32>,
 }
 
 impl DiscountConfig {
@@ -47,34 +85,64 @@ impl DiscountConfig {
     /// IQL's constant discount factor.
     pub const CONSTANT: Self = Self::Constant { gamma: 0.99 };
 
-    /// The lookup for a dataset with these predicted episode returns; `None` for a constant discount.
+    /// The rewards and discounts of every transition, under any rule.
+    ///
+    /// # Errors
+    /// When the rule has a sigma and it or gamma lies outside [0, 1].
+    pub fn apply(&self, dataset: &Dataset, labels: &Labels) -> Result<Discounted, DiscountError> {
+        let returns_hat = labels.episode_returns(dataset);
+        let lookup = self.lookup(&returns_hat)?;
+        let mut rewards = labels.rewards.clone();
+        let discounts = match *self {
+            Self::Constant { .. } | Self::Ted { .. } => {
+                self.discounts(lookup.as_ref(), dataset, &returns_hat)
+            }
+            Self::TedTransition { gamma, k, sigma } => {
+                let ted = TedDiscount::new(gamma, sigma, ReturnThreshold::<f32>::ALL)?;
+                stopped(dataset, alternatives::by_transition(&ted, k, &rewards))
+            }
+            Self::TedSoft { gamma, sigma } => {
+                let ted = TedDiscount::new(gamma, sigma, ReturnThreshold::<f32>::ALL)?;
+                let factors = alternatives::soft(&ted, &returns_hat);
+                stopped(dataset, of_episodes(dataset, &factors))
+            }
+            Self::RewardPenalty { gamma, k, penalty } => {
+                let penalties = alternatives::penalties(k, penalty, &returns_hat);
+                let penalties = of_episodes(dataset, &penalties);
+                rewards.iter_mut().zip(penalties).for_each(|(r, p)| *r -= p);
+                stopped(dataset, vec![gamma; dataset.step_count()])
+            }
+        };
+        Ok(Discounted { rewards, discounts })
+    }
+
+    /// The lookup for a dataset with these predicted episode returns. `None` for every rule but TED: a device keeps one sum for
+    /// an episode and classes it by that, so it can neither rank a transition's reward nor say anything of an episode that has
+    /// no class.
     ///
     /// # Errors
     /// When gamma or sigma lie outside [0, 1].
     pub fn lookup(&self, returns_hat: &[f32]) -> Result<Option<TedDiscount>, DiscountError> {
-        match *self {
-            Self::Constant { .. } => Ok(None),
-            Self::Ted { gamma, k, sigma } => {
-                let ends = [ReturnThreshold::<f32>::ALL, ReturnThreshold::<f32>::NONE];
-                let threshold = threshold(returns_hat, k, ends, f64::from);
-                TedDiscount::new(gamma, sigma, threshold).map(Some)
-            }
-        }
+        let Self::Ted { gamma, k, sigma } = *self else {
+            return Ok(None);
+        };
+        let ends = [ReturnThreshold::<f32>::ALL, ReturnThreshold::<f32>::NONE];
+        let threshold = threshold(returns_hat, k, ends, f64::from);
+        TedDiscount::new(gamma, sigma, threshold).map(Some)
     }
 
-    /// The border among predicted returns in integer rewards; `None` for a constant discount.
+    /// The border among predicted returns in integer rewards; `None` where there is no lookup.
     #[must_use]
     pub fn integer_threshold(&self, returns_hat: &[i64]) -> Option<ReturnThreshold<i64>> {
-        match *self {
-            Self::Constant { .. } => None,
-            Self::Ted { k, .. } => {
-                let ends = [ReturnThreshold::<i64>::ALL, ReturnThreshold::<i64>::NONE];
-                Some(threshold(returns_hat, k, ends, |r| r as f64))
-            }
-        }
+        let Self::Ted { k, .. } = *self else {
+            return None;
+        };
+        let ends = [ReturnThreshold::<i64>::ALL, ReturnThreshold::<i64>::NONE];
+        Some(threshold(returns_hat, k, ends, |r| r as f64))
     }
 
-    /// One discount factor for each transition: 0 after a terminal, which alone stops the bootstrap.
+    /// One discount factor for each transition by a lookup, or gamma where there is none: what [`Self::apply`] gives for a
+    /// constant discount and for TED.
     #[must_use]
     pub fn discounts(
         &self,
@@ -82,22 +150,35 @@ impl DiscountConfig {
         dataset: &Dataset,
         returns_hat: &[f32],
     ) -> Vec<f32> {
-        let (Self::Constant { gamma } | Self::Ted { gamma, .. }) = *self;
-        let mut discounts = Vec::with_capacity(dataset.step_count());
-        for (index, (episode, &return_hat)) in
-            dataset.episodes().iter().zip(returns_hat).enumerate()
-        {
-            let index = u32::try_from(index).unwrap_or(NEW_EPISODE);
-            let factor = lookup.map_or(gamma, |ted| ted.discount(ted.class(return_hat, index)));
-            let steps = episode.first_step..episode.first_step + episode.len;
-            discounts.extend(
-                dataset.terminations()[steps]
-                    .iter()
-                    .map(|&end| if end { 0.0 } else { factor }),
-            );
-        }
-        discounts
+        let (Self::Constant { gamma }
+        | Self::Ted { gamma, .. }
+        | Self::TedTransition { gamma, .. }
+        | Self::TedSoft { gamma, .. }
+        | Self::RewardPenalty { gamma, .. }) = *self;
+        let factors = lookup.map_or(vec![gamma; returns_hat.len()], |ted| {
+            let classes = classes(ted, returns_hat);
+            classes.into_iter().map(|c| ted.discount(c)).collect()
+        });
+        stopped(dataset, of_episodes(dataset, &factors))
     }
+}
+
+/// The number of its episode for each transition.
+fn of_episodes(dataset: &Dataset, numbers: &[f32]) -> Vec<f32> {
+    let episodes = dataset.episodes().iter().zip(numbers);
+    episodes
+        .flat_map(|(episode, &number)| std::iter::repeat_n(number, episode.len))
+        .collect()
+}
+
+/// Discounts that are 0 after a terminal, which alone stops the bootstrap.
+fn stopped(dataset: &Dataset, mut discounts: Vec<f32>) -> Vec<f32> {
+    for (discount, &end) in discounts.iter_mut().zip(dataset.terminations()) {
+        if end {
+            *discount = 0.0;
+        }
+    }
+    discounts
 }
 
 /// The class of every episode of the dataset, by its predicted return.

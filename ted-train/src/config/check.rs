@@ -35,12 +35,25 @@ fn discount(config: &DiscountConfig) -> Result<(), ConfigError> {
         let value = as_written(value);
         within(field, value, (0.0..=1.0).contains(&value), "in [0, 1]")
     };
+    let percent = |k| within("discount.k", k, (0.0..=100.0).contains(&k), "in [0, 100]");
     match *config {
         DiscountConfig::Constant { gamma } => share("discount.gamma", gamma),
-        DiscountConfig::Ted { gamma, k, sigma } => {
+        DiscountConfig::Ted { gamma, k, sigma }
+        | DiscountConfig::TedTransition { gamma, k, sigma } => {
             share("discount.gamma", gamma)?;
             share("discount.sigma", sigma)?;
-            within("discount.k", k, (0.0..=100.0).contains(&k), "in [0, 100]")
+            percent(k)
+        }
+        DiscountConfig::TedSoft { gamma, sigma } => {
+            share("discount.gamma", gamma)?;
+            share("discount.sigma", sigma)
+        }
+        DiscountConfig::RewardPenalty { gamma, k, penalty } => {
+            share("discount.gamma", gamma)?;
+            let holds = penalty >= 0.0 && penalty.is_finite();
+            let value = as_written(penalty);
+            within("discount.penalty", value, holds, "in [0, inf)")?;
+            percent(k)
         }
     }
 }

@@ -113,7 +113,8 @@ pub fn spearman(a: &[f64], b: &[f64]) -> f64 {
     pearson(&ranks(a), &ranks(b))
 }
 
-fn ranks(values: &[f64]) -> Vec<f64> {
+/// The place of each value among all, 0 for the highest, ties sharing their mean place.
+pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     let order = ranking(values);
     let mut ranks = vec![0.0; values.len()];
     let mut start = 0;
