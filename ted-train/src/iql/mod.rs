@@ -22,6 +22,8 @@
 //! | action at evaluation | the mean | a draw with temperature 0, the same value |
 
 mod config;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod losses;
 mod networks;
 mod replay;

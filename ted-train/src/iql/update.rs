@@ -1,6 +1,8 @@
 //! One step of implicit Q-learning, in the original's order: V, policy, Q, target.
 
-use burn::tensor::{Tensor, TensorData};
+use burn::tensor::Tensor;
+
+use crate::nn::lanes::{means, tensor};
 
 use super::networks::{HEADS, Iql};
 use super::{critic_loss, expectile_loss, policy_loss};
@@ -67,13 +69,7 @@ impl Iql {
         let (lanes, backend) = (self.lanes(), self.backend);
         let device = backend.device();
         let rows = batch.rewards.len() / lanes;
-        let tensor = |data: &[f32]| -> Tensor<3> {
-            let width = data.len() / (lanes * rows);
-            Tensor::from_data(
-                TensorData::new(data.to_vec(), [lanes, rows, width]),
-                &device,
-            )
-        };
+        let tensor = |data: &[f32]| tensor(data, lanes, rows, &device);
         let observation = tensor(&batch.observations);
         let next_observation = tensor(&batch.next_observations);
         let action = tensor(&batch.actions);
@@ -185,14 +181,6 @@ impl Losses {
         };
         (0..lanes).map(of_lane).collect()
     }
-}
-
-/// The mean of each lane's share of a tensor whose first axis goes lane by lane.
-fn means(tensor: Tensor<3>, lanes: usize) -> Vec<f32> {
-    let share = tensor.shape().num_elements() / lanes;
-    let means = tensor.reshape([lanes, share]).mean_dim(1);
-    let means = means.into_data().try_to_vec();
-    means.expect("a float tensor holds f32")
 }
 
 /// `[lane, batch, w] -> [lane * heads, batch, w]`, or unchanged for one lane, which broadcasts.

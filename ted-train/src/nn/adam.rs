@@ -60,6 +60,18 @@ impl AdamState {
     }
 }
 
+impl AdamState {
+    /// Shows every moment to `visit`, by a name that begins with `name`, and keeps what it puts there.
+    pub(crate) fn visit<E>(
+        &mut self,
+        name: &str,
+        visit: &mut impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.first.visit(&format!("{name}/first"), visit)?;
+        self.second.visit(&format!("{name}/second"), visit)
+    }
+}
+
 /// The constants of one step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AdamStep {

@@ -17,6 +17,7 @@ pub(crate) mod fixtures;
 mod fused;
 mod host;
 mod init;
+pub(crate) mod lanes;
 mod mlp;
 mod parameters;
 mod passes;

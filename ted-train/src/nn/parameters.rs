@@ -1,5 +1,7 @@
 //! Parameters of a perceptron, or anything of their shape, in the hands of one of the two engines.
 
+use burn::tensor::Tensor;
+
 use super::adam::AdamStep;
 use super::plain::Plain;
 use super::{Linear, fused};
@@ -38,6 +40,22 @@ impl Parameters {
             Self::Plain(plain) => plain.layers = layers,
             Self::Fused(fused) => *fused = fused::Buffer::from_layers(&layers),
         }
+    }
+
+    /// Shows every weight and bias to `visit`, by a name that begins with `name`, and keeps what it puts there: how a state is
+    /// saved and restored.
+    pub(crate) fn visit<E>(
+        &mut self,
+        name: &str,
+        visit: &mut impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut layers = self.layers();
+        for (i, layer) in layers.iter_mut().enumerate() {
+            visit(format!("{name}/{i}/weight"), &mut layer.weight)?;
+            visit(format!("{name}/{i}/bias"), &mut layer.bias)?;
+        }
+        self.set_layers(layers);
+        Ok(())
     }
 
     /// Zeros of the same shapes.

@@ -65,12 +65,7 @@ impl Plain {
 
     /// Gradients of a scalar loss in the parameters, from its gradient `[member, batch, out]` in the output.
     pub(super) fn gradients(&self, tape: Tape, output: Activation, d_output: Tensor<3>) -> Self {
-        let mut delta = match output {
-            Activation::Linear => d_output,
-            Activation::Tanh => {
-                d_output * (tape.output.clone() * tape.output).neg().add_scalar(1.0)
-            }
-        };
+        let mut delta = before_activation(tape.output, output, d_output);
         let mut layers = Vec::with_capacity(self.layers.len());
         for (i, (layer, input)) in self.layers.iter().zip(tape.inputs).enumerate().rev() {
             let bias = delta.clone().sum_dim(1);
@@ -110,5 +105,13 @@ impl Plain {
             self.passes.polyak(&mut old.weight, &new.weight, rate);
             self.passes.polyak(&mut old.bias, &new.bias, rate);
         }
+    }
+}
+
+/// The gradient before the last activation, from that in its output.
+fn before_activation(y: Tensor<3>, output: Activation, d_output: Tensor<3>) -> Tensor<3> {
+    match output {
+        Activation::Linear => d_output,
+        Activation::Tanh => d_output * (y.clone() * y).neg().add_scalar(1.0),
     }
 }

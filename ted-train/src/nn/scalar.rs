@@ -1,7 +1,7 @@
 //! The slow and plain way, in double precision and one number at a time: what the tensor code is tested against.
 
 use super::fixtures::{values, wide};
-use super::{Activation, Linear, Mlp};
+use super::{Activation, Adam, Linear, Mlp};
 
 /// One member of a perceptron. `parameters` holds, layer after layer, the weights `[in][out]` and then the biases.
 #[derive(Clone)]
@@ -55,6 +55,43 @@ impl ScalarMlp {
                 .collect();
         }
         h
+    }
+}
+
+/// Adam on one flat vector of parameters.
+pub(crate) struct ScalarAdam {
+    constants: Adam,
+    first: Vec<f64>,
+    second: Vec<f64>,
+    step: i32,
+}
+
+impl ScalarAdam {
+    /// Before the first step, on so many parameters.
+    pub(crate) fn new(constants: Adam, count: usize) -> Self {
+        Self {
+            constants,
+            first: vec![0.0; count],
+            second: vec![0.0; count],
+            step: 0,
+        }
+    }
+
+    /// One step against the gradient.
+    pub(crate) fn step(&mut self, parameters: &mut [f64], gradient: &[f64], rate: f64) {
+        let Adam {
+            beta1,
+            beta2,
+            epsilon,
+        } = self.constants;
+        self.step += 1;
+        for (i, g) in gradient.iter().enumerate() {
+            self.first[i] = beta1 * self.first[i] + (1.0 - beta1) * g;
+            self.second[i] = beta2 * self.second[i] + (1.0 - beta2) * g * g;
+            let first = self.first[i] / (1.0 - beta1.powi(self.step));
+            let second = self.second[i] / (1.0 - beta2.powi(self.step));
+            parameters[i] -= rate * first / (second.sqrt() + epsilon);
+        }
     }
 }
 

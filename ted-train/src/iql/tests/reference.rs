@@ -4,35 +4,10 @@
 use crate::iql::networks::HEADS;
 use crate::iql::{Batch, Iql, IqlConfig};
 use crate::nn::fixtures::{BACKENDS, assert_close, numbers, values, wide};
-use crate::nn::scalar::{ScalarMlp, central_differences, flat};
+use crate::nn::scalar::{ScalarAdam, ScalarMlp, central_differences, flat};
 use crate::nn::{Adam, Backend};
 
 use super::{ACTION, OBSERVATION, ROWS, batch, config, learner};
-
-/// Adam on one flat vector of parameters.
-struct ScalarAdam {
-    first: Vec<f64>,
-    second: Vec<f64>,
-}
-
-impl ScalarAdam {
-    fn new(count: usize) -> Self {
-        Self {
-            first: vec![0.0; count],
-            second: vec![0.0; count],
-        }
-    }
-
-    fn step(&mut self, parameters: &mut [f64], gradient: &[f64], rate: f64, step: i32, adam: Adam) {
-        for (i, g) in gradient.iter().enumerate() {
-            self.first[i] = adam.beta1 * self.first[i] + (1.0 - adam.beta1) * g;
-            self.second[i] = adam.beta2 * self.second[i] + (1.0 - adam.beta2) * g * g;
-            let first = self.first[i] / (1.0 - adam.beta1.powi(step));
-            let second = self.second[i] / (1.0 - adam.beta2.powi(step));
-            parameters[i] -= rate * first / (second.sqrt() + adam.epsilon);
-        }
-    }
-}
 
 /// One lane of implicit Q-learning.
 struct Reference {
@@ -91,12 +66,12 @@ impl Reference {
         let critics = heads(&iql.critic);
         Self {
             config: iql.config().clone(),
-            value_adam: ScalarAdam::new(value.parameters.len()),
-            actor_adam: ScalarAdam::new(actor.parameters.len()),
-            log_std_adam: ScalarAdam::new(ACTION),
+            value_adam: ScalarAdam::new(iql.config().adam, value.parameters.len()),
+            actor_adam: ScalarAdam::new(iql.config().adam, actor.parameters.len()),
+            log_std_adam: ScalarAdam::new(iql.config().adam, ACTION),
             critic_adams: critics
                 .iter()
-                .map(|c| ScalarAdam::new(c.parameters.len()))
+                .map(|c| ScalarAdam::new(iql.config().adam, c.parameters.len()))
                 .collect(),
             log_std: wide(&values(iql.log_std.clone())),
             targets: heads(&iql.target),
@@ -114,7 +89,7 @@ impl Reference {
         let actor_rate =
             config.learning_rate * (1.0 + (std::f64::consts::PI * progress).cos()) / 2.0;
         self.step += 1;
-        let (rate, adam, step) = (config.learning_rate, config.adam, self.step);
+        let rate = config.learning_rate;
 
         let q_target: Vec<f64> = batch
             .iter()
@@ -136,7 +111,7 @@ impl Reference {
             }))
         });
         self.value_adam
-            .step(&mut self.value.parameters, &gradient, rate, step, adam);
+            .step(&mut self.value.parameters, &gradient, rate);
 
         let policy_loss = |actor: &ScalarMlp, log_std: &[f64]| {
             mean(batch.iter().zip(&q_target).map(|(t, q)| {
@@ -156,9 +131,9 @@ impl Reference {
         });
         let d_log_std = central_differences(&self.log_std, |p| policy_loss(&self.actor, p));
         self.actor_adam
-            .step(&mut self.actor.parameters, &d_actor, actor_rate, step, adam);
+            .step(&mut self.actor.parameters, &d_actor, actor_rate);
         self.log_std_adam
-            .step(&mut self.log_std, &d_log_std, actor_rate, step, adam);
+            .step(&mut self.log_std, &d_log_std, actor_rate);
 
         for (critic, own_adam) in self.critics.iter_mut().zip(&mut self.critic_adams) {
             let gradient = central_differences(&critic.parameters, |p| {
@@ -168,7 +143,7 @@ impl Reference {
                     (critic.forward(&t.pair)[0] - y).powi(2)
                 }))
             });
-            own_adam.step(&mut critic.parameters, &gradient, rate, step, adam);
+            own_adam.step(&mut critic.parameters, &gradient, rate);
         }
         for (target, critic) in self.targets.iter_mut().zip(&self.critics) {
             for (old, new) in target.parameters.iter_mut().zip(&critic.parameters) {
