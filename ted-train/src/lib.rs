@@ -2,6 +2,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod algorithm;
+pub mod atac;
 pub mod bc;
 pub mod bench;
 pub mod cli;

@@ -3,8 +3,8 @@
 //! A child depends only on its parent and its name, never on how much was drawn elsewhere, so adding a consumer of
 //! randomness changes no other one.
 
-use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use rand::{Rng, RngExt, SeedableRng};
 
 /// A seed from which named child seeds and generators are derived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +48,13 @@ impl Seed {
         rng.set_stream(step);
         rng
     }
+}
+
+/// One draw of N(0, 1) by Box and Muller: two uniforms for each, nothing kept between calls.
+pub fn standard_normal(rng: &mut impl Rng) -> f64 {
+    let radius: f64 = 1.0 - rng.random::<f64>();
+    let angle: f64 = rng.random::<f64>() * std::f64::consts::TAU;
+    (-2.0 * radius.ln()).sqrt() * angle.cos()
 }
 
 #[cfg(test)]

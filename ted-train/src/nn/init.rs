@@ -4,6 +4,8 @@ use nalgebra::DMatrix;
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
+use crate::rng::standard_normal;
+
 /// How the weights and biases of a layer are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -51,13 +53,6 @@ pub fn orthogonal(rows: usize, columns: usize, gain: f64, rng: &mut impl Rng) ->
         }
     }
     weights
-}
-
-/// One draw of N(0, 1) by Box and Muller: two uniforms for each, nothing kept between calls.
-fn standard_normal(rng: &mut impl Rng) -> f64 {
-    let radius: f64 = 1.0 - rng.random::<f64>();
-    let angle: f64 = rng.random::<f64>() * std::f64::consts::TAU;
-    (-2.0 * radius.ln()).sqrt() * angle.cos()
 }
 
 #[cfg(test)]

@@ -160,6 +160,23 @@ impl Mlp {
         }
     }
 
+    /// Gradient of a scalar loss in the input `[member, batch, in]`, from its gradient `[member, batch, out]` in the output;
+    /// of an input that all members share, each member's own.
+    pub(crate) fn input_gradient(&self, tape: Tape, d_output: Tensor<3>) -> Tensor<3> {
+        match (&self.parameters, tape) {
+            (Parameters::Plain(plain), Tape::Plain(tape)) => {
+                plain.input_gradient(tape, self.output, d_output)
+            }
+            (Parameters::Fused(fused), Tape::Fused(tape)) => fused.input_gradient(&tape, d_output),
+            _ => unreachable!("a tape is of the network that made it"),
+        }
+    }
+
+    /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm; biases stay.
+    pub(crate) fn project(&mut self, limit: f64) {
+        self.parameters.project(limit);
+    }
+
     /// Moves towards `source`: `self <- rate * source + (1 - rate) * self` (Polyak averaging of target networks).
     pub(crate) fn polyak(&mut self, source: &Self, rate: f64) {
         self.parameters.polyak(&source.parameters, rate as f32);

@@ -91,6 +91,14 @@ impl Parameters {
         }
     }
 
+    /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm.
+    pub(super) fn project(&mut self, limit: f64) {
+        match self {
+            Self::Plain(plain) => plain.project(limit),
+            Self::Fused(fused) => fused.project(limit),
+        }
+    }
+
     /// `self <- (1 - rate) self + rate source`.
     pub(super) fn polyak(&mut self, source: &Self, rate: f32) {
         match (self, source) {

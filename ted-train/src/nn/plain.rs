@@ -81,6 +81,32 @@ impl Plain {
         Self::new(layers, self.passes)
     }
 
+    /// Gradient of a scalar loss in the input `[member, batch, in]`, from its gradient `[member, batch, out]` in the output.
+    pub(super) fn input_gradient(
+        &self,
+        tape: Tape,
+        output: Activation,
+        d_output: Tensor<3>,
+    ) -> Tensor<3> {
+        let mut delta = before_activation(tape.output, output, d_output);
+        for (i, (layer, input)) in self.layers.iter().zip(tape.inputs).enumerate().rev() {
+            delta = delta.matmul(layer.weight.clone().swap_dims(1, 2));
+            if i > 0 {
+                delta = self.passes.mask_inactive(delta, input);
+            }
+        }
+        delta
+    }
+
+    /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm.
+    pub(super) fn project(&mut self, limit: f64) {
+        for layer in &mut self.layers {
+            let weight = layer.weight.clone();
+            let norm = (weight.clone() * weight.clone()).sum_dims(&[1, 2]).sqrt();
+            layer.weight = weight * norm.recip().mul_scalar(limit).clamp_max(1.0);
+        }
+    }
+
     /// One step of Adam with the moments `first` and `second`.
     pub(super) fn adam(
         &mut self,

@@ -63,6 +63,51 @@ fn outputs_and_gradients_are_those_of_scalar_arithmetic_and_finite_differences()
 }
 
 #[test]
+fn the_gradient_in_the_input_is_the_finite_difference_of_each_member() {
+    for backend in BACKENDS {
+        for output in [Activation::Linear, Activation::Tanh] {
+            for input_members in [1, MEMBERS] {
+                let network = network(&mut seeds(MEMBERS), output, backend);
+                let x = numbers(input_members * BATCH * INPUTS, "x");
+                let d_output = numbers(MEMBERS * BATCH * OUTPUTS, "d_output");
+                let (_, tape) =
+                    network.forward_tape(tensor(&x, [input_members, BATCH, INPUTS], backend));
+                let d = tensor(&d_output, [MEMBERS, BATCH, OUTPUTS], backend);
+                let actual = values(network.input_gradient(tape, d));
+                for member in 0..MEMBERS {
+                    let scalar = ScalarMlp::member(&network, member);
+                    let x = &x[member % input_members * BATCH * INPUTS..][..BATCH * INPUTS];
+                    let d = wide(&d_output[member * BATCH * OUTPUTS..][..BATCH * OUTPUTS]);
+                    let expected = central_differences(&wide(x), |x| {
+                        let y = x.chunks(INPUTS).flat_map(|row| scalar.forward(row));
+                        y.zip(&d).map(|(y, d)| y * d).sum()
+                    });
+                    let actual = &actual[member * BATCH * INPUTS..][..BATCH * INPUTS];
+                    let what = format!("{backend:?}, {output:?}, {input_members} inputs");
+                    assert_close(actual, &expected, 2e-6, &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn projection_shrinks_a_matrix_above_the_limit_and_nothing_else() {
+    for backend in BACKENDS {
+        // Members with norms 5 and 2: the limit of 2.5 halves the first.
+        let layer = Linear {
+            weight: tensor(&[3.0, -4.0, 0.0, 2.0], [2, 2, 1], backend),
+            bias: tensor(&[100.0, -100.0], [2, 1, 1], backend),
+        };
+        let mut network = Mlp::from_layers(vec![layer], Activation::Linear, backend);
+        network.project(2.5);
+        let layers = network.parameters.layers();
+        assert_close(&flat(&layers, 0), &[1.5, -2.0, 100.0], 1e-6, "projected");
+        assert_eq!(flat(&layers, 1), [0.0, 2.0, -100.0]);
+    }
+}
+
+#[test]
 fn a_member_of_a_stack_learns_to_the_bit_what_it_learns_alone() {
     for backend in BACKENDS {
         let x = numbers(MEMBERS * BATCH * INPUTS, "x");

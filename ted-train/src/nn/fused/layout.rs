@@ -90,6 +90,15 @@ impl Layout {
 }
 
 impl Layer {
+    /// Rows of one of its panels, the last of which is a row of biases; a narrow layer is handled as one panel.
+    pub(super) fn panel_rows(&self) -> usize {
+        if self.narrow {
+            self.rows.len()
+        } else {
+            self.inputs + 1
+        }
+    }
+
     /// Place of a weight: row of the layer and column.
     fn weight(&self, input: usize, output: usize) -> (usize, usize) {
         if self.narrow {

@@ -8,6 +8,7 @@
 
 mod backward;
 mod forward;
+mod input;
 mod layout;
 mod narrow;
 mod passes;
@@ -141,6 +142,29 @@ impl Buffer {
 
     /// Gradients of a scalar loss in the parameters, from its gradient `[member, batch, out]` in the output.
     pub(crate) fn gradients(&self, tape: &Tape, d_output: Tensor<3>) -> Gradients {
+        let (layout, arch, padded) = (&*self.layout, Arch::new(), padded(tape.batch));
+        let outputs = layout.output_panels(layout.layers.len());
+        let kept = padded * (panels(layout.inputs()) + outputs);
+        let deltas = self.deltas(tape, d_output);
+        let mut rows = Scratch::new(self.rows.len());
+        let work = rows
+            .par_chunks_mut(layout.rows())
+            .zip(tape.blocks.par_chunks(kept))
+            .zip(deltas.par_chunks(padded * outputs));
+        work.for_each(|((rows, blocks), deltas)| {
+            for_each_panel(layout, rows, |layer, panel, out| {
+                backward::gradient(arch, layout, (layer, panel), (blocks, deltas), out);
+            });
+        });
+        Gradients {
+            #[cfg(test)]
+            layout: Arc::clone(&self.layout),
+            rows,
+        }
+    }
+
+    /// The gradients in the output of every layer, of each member and block, before its activation.
+    fn deltas(&self, tape: &Tape, d_output: Tensor<3>) -> Scratch {
         let d_output = match &tape.output {
             None => d_output,
             Some(y) => d_output * (y.clone() * y.clone()).neg().add_scalar(1.0),
@@ -173,22 +197,7 @@ impl Buffer {
                     backward::deltas(arch, layout, parameters, turned, block, deltas);
                 });
             });
-
-        let mut rows = Scratch::new(self.rows.len());
-        let work = rows
-            .par_chunks_mut(layout.rows())
-            .zip(tape.blocks.par_chunks(kept))
-            .zip(deltas.par_chunks(padded * outputs));
-        work.for_each(|((rows, blocks), deltas)| {
-            for_each_panel(layout, rows, |layer, panel, out| {
-                backward::gradient(arch, layout, (layer, panel), (blocks, deltas), out);
-            });
-        });
-        Gradients {
-            #[cfg(test)]
-            layout: Arc::clone(&self.layout),
-            rows,
-        }
+        deltas
     }
 
     /// The transposed weights of every layer that a gradient is sent back through by a matrix product.
@@ -225,6 +234,12 @@ impl Buffer {
     ) {
         let (first, second) = (&mut first.rows, &mut second.rows);
         passes::adam(step, &mut self.rows, first, second, &gradients.rows);
+    }
+
+    /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm.
+    pub(crate) fn project(&mut self, limit: f64) {
+        let members = self.rows.par_chunks_mut(self.layout.rows());
+        members.for_each(|rows| passes::project(&self.layout, rows, limit));
     }
 
     /// `self <- (1 - rate) self + rate source`.
@@ -308,12 +323,7 @@ fn for_each_panel(
         for (index, layer) in layout.layers.iter().enumerate() {
             let own;
             (own, rows) = rows.split_at_mut(layer.rows.len());
-            let of_a_panel = if layer.narrow {
-                own.len()
-            } else {
-                layer.inputs + 1
-            };
-            for (panel, out) in own.chunks_exact_mut(of_a_panel).enumerate() {
+            for (panel, out) in own.chunks_exact_mut(layer.panel_rows()).enumerate() {
                 scope.spawn(move |_| body(index, panel, out));
             }
         }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::nn::adam::AdamStep;
 
-use super::layout::Row;
+use super::layout::{Layout, Row, ZERO};
 
 /// Rows that are handed out at a time.
 const CHUNK: usize = 1024;
@@ -41,6 +41,34 @@ pub(super) fn polyak(old: &mut [Row], new: &[Row], rate: f32) {
     old.par_chunks_mut(CHUNK)
         .zip(new.par_chunks(CHUNK))
         .for_each(|(old, new)| arch.dispatch(Polyak { old, new, rate }));
+}
+
+/// Shrinks each weight matrix of a member whose Frobenius norm is above `limit` to that norm.
+pub(super) fn project(layout: &Layout, rows: &mut [Row], limit: f64) {
+    for layer in &layout.layers {
+        let rows = &mut rows[layer.rows.clone()];
+        // Columns are summed side by side, and what fills up a panel is zero.
+        let mut squares = ZERO;
+        for panel in rows.chunks_exact(layer.panel_rows()) {
+            for row in &panel[..panel.len() - 1] {
+                for (sum, weight) in squares.0.iter_mut().zip(&row.0) {
+                    *sum += weight * weight;
+                }
+            }
+        }
+        let norm = squares.0.iter().map(|&sum| f64::from(sum)).sum::<f64>();
+        let norm = norm.sqrt();
+        if norm <= limit {
+            continue;
+        }
+        let factor = (limit / norm) as f32;
+        for panel in rows.chunks_exact_mut(layer.panel_rows()) {
+            let weights = panel.len() - 1;
+            for weight in panel[..weights].iter_mut().flat_map(|row| &mut row.0) {
+                *weight *= factor;
+            }
+        }
+    }
 }
 
 struct Adam<'a> {

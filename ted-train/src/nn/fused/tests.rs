@@ -31,12 +31,13 @@ fn network(shape: &(usize, &[usize], usize, usize), output: Activation, backend:
     Mlp::new(&shape, Initialiser::UniformFanIn, &mut rngs, backend)
 }
 
-/// Outputs, gradients, and the parameters after three updates towards zero output.
+/// Outputs, gradients in the parameters and in the input, and the parameters after three updates towards zero output and then a
+/// projection.
 fn learned(
     shape: &(usize, &[usize], usize, usize),
     output: Activation,
     backend: Backend,
-) -> [Vec<f32>; 3] {
+) -> [Vec<f32>; 5] {
     let (inputs, _, outputs, batch) = *shape;
     let mut network = network(shape, output, backend);
     let mut adam = AdamState::new(&network);
@@ -51,6 +52,8 @@ fn learned(
     let (again, tape) = network.forward_tape(x.clone());
     assert_eq!(bits(&values(again)), bits(&y), "with and without a tape");
     let gradients = all(&network.gradients(tape, d.clone()).layers());
+    let (_, tape) = network.forward_tape(x.clone());
+    let d_input = values(network.input_gradient(tape, d.clone()));
     for step in 1..=3 {
         let (y, tape) = network.forward_tape(x.clone());
         let gradients = network.gradients(tape, y * d.clone());
@@ -61,7 +64,11 @@ fn learned(
         };
         constants.step(&mut network, &mut adam, gradients, 0.01, step);
     }
-    [y, gradients, all(&network.parameters.layers())]
+    let updated = all(&network.parameters.layers());
+    // Below the norm of every weight matrix with more than a few numbers.
+    network.project(1.0);
+    let projected = all(&network.parameters.layers());
+    [y, gradients, d_input, updated, projected]
 }
 
 #[test]
@@ -70,10 +77,8 @@ fn the_fast_engine_agrees_with_the_plain_one_in_every_shape() {
         for output in [Activation::Linear, Activation::Tanh] {
             let plain = learned(shape, output, Backend::Flex);
             let fused = learned(shape, output, Backend::Fused);
-            for (what, (fused, plain)) in ["output", "gradient", "parameters"]
-                .iter()
-                .zip(fused.iter().zip(&plain))
-            {
+            let what = ["output", "gradient", "input", "parameters", "projection"];
+            for (what, (fused, plain)) in what.iter().zip(fused.iter().zip(&plain)) {
                 assert_eq!(fused.len(), plain.len(), "{what} of {shape:?}");
                 let length = |xs: &mut dyn Iterator<Item = f32>| {
                     xs.map(|x| f64::from(x).powi(2)).sum::<f64>().sqrt()
