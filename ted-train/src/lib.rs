@@ -3,6 +3,7 @@
 
 pub mod algorithm;
 pub mod atac;
+pub mod awr;
 pub mod bc;
 pub mod bench;
 pub mod cli;

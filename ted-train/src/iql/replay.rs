@@ -62,6 +62,34 @@ impl<'a> Replay<'a> {
         &self.scale
     }
 
+    /// The dataset.
+    #[must_use]
+    pub fn dataset(&self) -> &Dataset {
+        self.dataset
+    }
+
+    /// The reward of each transition.
+    #[must_use]
+    pub fn rewards(&self) -> &[f32] {
+        &self.rewards
+    }
+
+    /// The discount of each transition.
+    #[must_use]
+    pub fn discounts(&self) -> &[f32] {
+        &self.discounts
+    }
+
+    /// Standardised observations of these rows of the dataset, `[row, observation]`.
+    pub(crate) fn standardised(&self, rows: std::ops::Range<usize>) -> Vec<f32> {
+        let width = self.dataset.observation_dim();
+        let raw = &self.dataset.observations()[rows.start * width..rows.end * width];
+        let mut out = Vec::with_capacity(raw.len());
+        raw.chunks_exact(width)
+            .for_each(|row| self.standardise(row, &mut out));
+        out
+    }
+
     /// Batch of update `step`: a function of the stream and the step, so that a resumed run goes on with the same ones.
     #[must_use]
     pub fn batch(&self, stream: Seed, step: u64, size: usize) -> Batch {
@@ -73,6 +101,7 @@ impl<'a> Replay<'a> {
             actions: Vec::with_capacity(size * self.dataset.action_dim()),
             rewards: Vec::with_capacity(size),
             discounts: Vec::with_capacity(size),
+            transitions: Vec::with_capacity(size),
         };
         for _ in 0..size {
             let step = self.kept.step(rng.random_range(0..self.kept.count()));
@@ -89,6 +118,8 @@ impl<'a> Replay<'a> {
             );
             batch.rewards.push(self.rewards[step]);
             batch.discounts.push(self.discounts[step]);
+            // A dataset numbers its rows in 32 bits.
+            batch.transitions.push(step as u32);
         }
         batch
     }

@@ -20,6 +20,8 @@ pub struct Batch {
     pub rewards: Vec<f32>,
     /// Discount of each transition `[lane, batch]`: `gamma(s, a)`, and 0 after a terminal.
     pub discounts: Vec<f32>,
+    /// Which step of the dataset each row is `[lane, batch]`, for a learner that keeps a number for each.
+    pub transitions: Vec<u32>,
 }
 
 impl Batch {
@@ -34,6 +36,7 @@ impl Batch {
             all.actions.extend(lane.actions);
             all.rewards.extend(lane.rewards);
             all.discounts.extend(lane.discounts);
+            all.transitions.extend(lane.transitions);
         }
         all
     }

@@ -14,6 +14,8 @@ pub enum Initialiser {
     Orthogonal,
     /// Uniform in +-1/sqrt(inputs), weights and biases (PyTorch's default, used by OPRL's reward networks).
     UniformFanIn,
+    /// Uniform in +-sqrt(6/(inputs + outputs)), biases zero (Glorot and Bengio 2010; AWR's original).
+    Xavier,
 }
 
 impl Initialiser {
@@ -29,7 +31,19 @@ impl Initialiser {
                 let mut draw = |n| (0..n).map(|_| rng.random_range(-bound..bound)).collect();
                 (draw(inputs * outputs), draw(outputs))
             }
+            Self::Xavier => {
+                let bound = Self::xavier_bound(inputs, outputs) as f32;
+                let draw = |_| rng.random_range(-bound..bound);
+                let weights = (0..inputs * outputs).map(draw).collect();
+                (weights, vec![0.0; outputs])
+            }
         }
+    }
+
+    /// Largest weight that [`Self::Xavier`] draws.
+    #[must_use]
+    pub fn xavier_bound(inputs: usize, outputs: usize) -> f64 {
+        (6.0 / (inputs + outputs) as f64).sqrt()
     }
 }
 

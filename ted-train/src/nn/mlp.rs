@@ -119,6 +119,19 @@ impl Mlp {
         Self::from_layers(layers.collect(), exported.output, backend)
     }
 
+    /// One member as a network of its own.
+    pub(crate) fn member(&self, member: usize) -> Self {
+        let own = |t: Tensor<3>| t.narrow(0, member, 1);
+        let layers = self.parameters.layers().into_iter();
+        let layers = layers.map(|layer| Linear {
+            weight: own(layer.weight),
+            bias: own(layer.bias),
+        });
+        let mut alone = self.clone();
+        alone.parameters.set_layers(layers.collect());
+        alone
+    }
+
     /// Activation of the last layer.
     #[must_use]
     pub fn output(&self) -> Activation {

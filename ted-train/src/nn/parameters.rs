@@ -91,6 +91,24 @@ impl Parameters {
         }
     }
 
+    /// `velocity <- momentum velocity + gradient`, then `self <- self - rate velocity`.
+    pub(super) fn descend(
+        &mut self,
+        velocity: &mut Self,
+        gradients: Gradients,
+        [momentum, rate]: [f32; 2],
+    ) {
+        match (self, velocity, gradients) {
+            (Self::Plain(own), Self::Plain(velocity), Gradients::Plain(gradients)) => {
+                own.descend(velocity, gradients, [momentum, rate]);
+            }
+            (Self::Fused(own), Self::Fused(velocity), Gradients::Fused(gradients)) => {
+                own.descend(velocity, &gradients, [momentum, rate]);
+            }
+            _ => unreachable!("{ONE_ENGINE}"),
+        }
+    }
+
     /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm.
     pub(super) fn project(&mut self, limit: f64) {
         match self {

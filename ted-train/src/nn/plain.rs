@@ -98,6 +98,24 @@ impl Plain {
         delta
     }
 
+    /// `velocity <- momentum velocity + gradient`, then `self <- self - rate velocity`.
+    pub(super) fn descend(
+        &mut self,
+        velocity: &mut Self,
+        gradients: Self,
+        [momentum, rate]: [f32; 2],
+    ) {
+        let step = |own: &mut Tensor<3>, velocity: &mut Tensor<3>, gradient: Tensor<3>| {
+            *velocity = velocity.clone().mul_scalar(momentum) + gradient;
+            *own = own.clone() - velocity.clone().mul_scalar(rate);
+        };
+        let layers = self.layers.iter_mut().zip(&mut velocity.layers);
+        for ((own, velocity), gradient) in layers.zip(gradients.layers) {
+            step(&mut own.weight, &mut velocity.weight, gradient.weight);
+            step(&mut own.bias, &mut velocity.bias, gradient.bias);
+        }
+    }
+
     /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm.
     pub(super) fn project(&mut self, limit: f64) {
         for layer in &mut self.layers {

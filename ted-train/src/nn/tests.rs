@@ -187,6 +187,27 @@ fn adam_adds_epsilon_to_the_root_of_the_corrected_moment() {
 }
 
 #[test]
+fn momentum_moves_as_computed_by_hand() {
+    // p = 1, momentum 0.9, rate 0.1, gradients 0.5, -0.25, 0.1: velocities 0.5, 0.2, 0.28.
+    for backend in BACKENDS {
+        let layer = |value: f32| Linear {
+            weight: tensor(&[value], [1, 1, 1], backend),
+            bias: tensor(&[0.0], [1, 1, 1], backend),
+        };
+        let mut network = Mlp::from_layers(vec![layer(1.0)], Activation::Linear, backend);
+        let mut velocity = Velocity::zero(&network);
+        for (gradient, expected) in [0.5, -0.25, 0.1].into_iter().zip([0.95, 0.93, 0.902]) {
+            // With an input of 1, weight and bias have the same gradient.
+            let (_, tape) = network.forward_tape(tensor(&[1.0], [1, 1, 1], backend));
+            let gradients = network.gradients(tape, tensor(&[gradient], [1, 1, 1], backend));
+            velocity.step(&mut network, gradients, 0.9, 0.1);
+            let parameters = flat(&network.parameters.layers(), 0);
+            assert_close(&parameters, &[expected, expected - 1.0], 1e-6, "moved");
+        }
+    }
+}
+
+#[test]
 fn polyak_goes_the_given_share_of_the_way() {
     for backend in BACKENDS {
         let of = |weight: [f32; 2], bias: f32| {

@@ -34,6 +34,7 @@ fn learned(beta: f64) -> f32 {
             actions,
             // Every episode ends after one step.
             discounts: vec![0.0; ROWS],
+            ..Batch::default()
         });
     }
     let actor = atac.actors().swap_remove(0);

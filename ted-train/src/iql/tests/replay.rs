@@ -30,6 +30,7 @@ fn a_batch_joins_each_step_with_what_followed_and_its_own_labels() {
     for row in 0..200 {
         let step = batch.rewards[row] as usize;
         seen[step] = true;
+        assert_eq!(batch.transitions[row] as usize, step);
         assert_eq!(batch.discounts[row], step as f32 / 100.0);
         let own = |all: &[f32], width: usize| all[row * width..(row + 1) * width].to_vec();
         let (now, next) = (

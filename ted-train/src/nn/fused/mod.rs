@@ -236,6 +236,21 @@ impl Buffer {
         passes::adam(step, &mut self.rows, first, second, &gradients.rows);
     }
 
+    /// `velocity <- momentum velocity + gradient`, then `self <- self - rate velocity`.
+    pub(crate) fn descend(
+        &mut self,
+        velocity: &mut Self,
+        gradients: &Gradients,
+        constants: [f32; 2],
+    ) {
+        passes::descend(
+            &mut self.rows,
+            &mut velocity.rows,
+            &gradients.rows,
+            constants,
+        );
+    }
+
     /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm.
     pub(crate) fn project(&mut self, limit: f64) {
         let members = self.rows.par_chunks_mut(self.layout.rows());

@@ -43,6 +43,22 @@ pub(super) fn polyak(old: &mut [Row], new: &[Row], rate: f32) {
         .for_each(|(old, new)| arch.dispatch(Polyak { old, new, rate }));
 }
 
+/// `velocity <- momentum velocity + gradient`, then `parameter <- parameter - rate velocity`, in every row.
+pub(super) fn descend(
+    parameters: &mut [Row],
+    velocities: &mut [Row],
+    gradients: &[Row],
+    [momentum, rate]: [f32; 2],
+) {
+    let rows = parameters.par_iter_mut().zip(velocities).zip(gradients);
+    rows.with_min_len(CHUNK).for_each(|((p, v), g)| {
+        for ((p, v), g) in p.0.iter_mut().zip(&mut v.0).zip(&g.0) {
+            *v = momentum * *v + g;
+            *p -= rate * *v;
+        }
+    });
+}
+
 /// Shrinks each weight matrix of a member whose Frobenius norm is above `limit` to that norm.
 pub(super) fn project(layout: &Layout, rows: &mut [Row], limit: f64) {
     for layer in &layout.layers {
