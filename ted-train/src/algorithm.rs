@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::atac::{Atac, AtacConfig};
+use crate::awr::{Awr, AwrConfig};
+use crate::bc::{Bc, BcConfig};
 use crate::iql::{Batch, Iql, IqlConfig, Replay};
 use crate::nn::{Backend, ExportedMlp};
 use crate::rng::Seed;
@@ -14,6 +17,12 @@ use crate::run::{Checkpoint, ForeignCheckpoint};
 pub enum AlgorithmConfig {
     /// Implicit Q-learning.
     Iql(IqlConfig),
+    /// Adversarially trained actor critic.
+    Atac(AtacConfig),
+    /// Advantage-weighted regression.
+    Awr(AwrConfig),
+    /// Behaviour cloning.
+    Bc(BcConfig),
 }
 
 /// A learner of one policy for each of its lanes, which make every update together and share nothing.
@@ -57,6 +66,9 @@ impl AlgorithmConfig {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Iql(_) => "iql",
+            Self::Atac(_) => "atac",
+            Self::Awr(_) => "awr",
+            Self::Bc(_) => "bc",
         }
     }
 
@@ -65,6 +77,9 @@ impl AlgorithmConfig {
     pub fn steps(&self) -> u64 {
         match self {
             Self::Iql(config) => config.steps,
+            Self::Atac(config) => config.steps,
+            Self::Awr(config) => config.steps,
+            Self::Bc(config) => config.steps,
         }
     }
 
@@ -72,6 +87,9 @@ impl AlgorithmConfig {
     pub fn set_steps(&mut self, steps: u64) {
         match self {
             Self::Iql(config) => config.steps = steps,
+            Self::Atac(config) => config.steps = steps,
+            Self::Awr(config) => config.steps = steps,
+            Self::Bc(config) => config.steps = steps,
         }
     }
 
@@ -80,6 +98,9 @@ impl AlgorithmConfig {
     pub fn batch(&self) -> usize {
         match self {
             Self::Iql(config) => config.batch,
+            Self::Atac(config) => config.batch,
+            Self::Awr(config) => config.batch,
+            Self::Bc(config) => config.batch,
         }
     }
 
@@ -97,6 +118,18 @@ impl AlgorithmConfig {
             Self::Iql(config) => {
                 let config = config.clone();
                 Box::new(Iql::new(config, observation, action, &seeds, backend))
+            }
+            Self::Atac(config) => {
+                let config = config.clone();
+                Box::new(Atac::new(config, observation, action, &seeds, backend))
+            }
+            Self::Awr(config) => {
+                let config = config.clone();
+                Box::new(Awr::new(config, observation, action, &seeds, backend))
+            }
+            Self::Bc(config) => {
+                let config = config.clone();
+                Box::new(Bc::new(config, observation, action, &seeds, backend))
             }
         }
     }
@@ -146,6 +179,9 @@ macro_rules! learner {
 }
 
 learner!(Iql, crate::iql::Losses);
+learner!(Atac, crate::atac::Losses);
+learner!(Awr, crate::awr::Losses, prepare);
+learner!(Bc, crate::bc::Losses);
 
 fn metrics(update: &impl Serialize) -> Metrics {
     match serde_json::to_value(update) {

@@ -82,6 +82,23 @@ impl DiscountConfig {
         k: 70.0,
         sigma: 0.7,
     };
+    /// The same numbers by transition.
+    pub const TED_TRANSITION: Self = Self::TedTransition {
+        gamma: 0.99,
+        k: 70.0,
+        sigma: 0.7,
+    };
+    /// The same numbers without a border.
+    pub const TED_SOFT: Self = Self::TedSoft {
+        gamma: 0.99,
+        sigma: 0.7,
+    };
+    /// The same episodes, and as large a share of the rewards' range as TED takes of the discount.
+    pub const REWARD_PENALTY: Self = Self::RewardPenalty {
+        gamma: 0.99,
+        k: 70.0,
+        penalty: 0.3,
+    };
     /// IQL's constant discount factor.
     pub const CONSTANT: Self = Self::Constant { gamma: 0.99 };
 

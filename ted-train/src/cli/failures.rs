@@ -90,9 +90,11 @@ impl Ends for TrainError {
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Learn(LearnError::Preference(error)) => error.exit_code(),
-            Self::Learn(LearnError::Segment(_)) | Self::Discount(_) | Self::NotFinished { .. } => {
-                ExitCode::BadInput
-            }
+            Self::Learn(LearnError::Segment(_))
+            | Self::Transport(_)
+            | Self::Filter(_)
+            | Self::Discount(_)
+            | Self::NotFinished { .. } => ExitCode::BadInput,
             Self::Export(error) => error.exit_code(),
             Self::Backend(_) | Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => {
                 ExitCode::Failure

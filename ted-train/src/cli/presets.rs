@@ -53,6 +53,7 @@ pub(super) struct Composition {
     #[serde(flatten)]
     row: &'static Row,
     reward: String,
+    filter: String,
     discount: String,
     algorithm: String,
 }
@@ -71,6 +72,7 @@ pub(super) fn compositions() -> Vec<Composition> {
         Composition {
             row,
             reward: name("reward", "source"),
+            filter: name("filter", "keep"),
             discount: name("discount", "rule"),
             algorithm: name("algorithm", "kind"),
         }
@@ -83,6 +85,7 @@ pub(super) fn text(compositions: &[Composition]) -> String {
     let columns = [
         "preset",
         "reward",
+        "filter",
         "discount",
         "algorithm",
         "what it is for",
@@ -93,6 +96,7 @@ pub(super) fn text(compositions: &[Composition]) -> String {
         table.row([
             one.row.preset.name().to_owned(),
             one.reward.clone(),
+            one.filter.clone(),
             one.discount.clone(),
             one.algorithm.clone(),
             one.row.purpose.to_owned(),

@@ -1,25 +1,29 @@
-//! What the types of a configuration cannot say: which numbers a run could not come to an end with.
+//! What the types of a configuration cannot say: which numbers a run could not come to an end with, and which choices do not
+//! go together.
+
+mod algorithms;
+mod rewards;
 
 use crate::algorithm::AlgorithmConfig;
-use crate::iql::IqlConfig;
+use crate::filter::FilterConfig;
 use crate::reward::RewardConfig;
-use crate::reward::oprl::{InputScaling, OprlConfig};
 use crate::ted::DiscountConfig;
 
-use super::ranges::{adam, as_written, at_least_one, positive, small, widths, within};
+use super::ranges::{as_written, at_least_one, within};
 use super::{Config, ConfigError, Schedule};
 
 impl Config {
     /// Checks what the types cannot say.
     ///
     /// # Errors
-    /// Names the first field that is out of range, its value and the range.
+    /// Names two choices of which one does not give what the other needs, or the first field that is out of range, its value
+    /// and the range.
     pub fn check(&self) -> Result<(), ConfigError> {
+        self.composition()?;
+        rewards::reward(&self.reward)?;
+        filter(&self.filter)?;
         discount(&self.discount)?;
-        algorithm(&self.algorithm)?;
-        if let RewardConfig::Oprl(config) = &self.reward {
-            oprl(config)?;
-        }
+        algorithms::algorithm(&self.algorithm)?;
         let Schedule {
             log_every,
             checkpoint_every,
@@ -27,6 +31,45 @@ impl Config {
         } = self.schedule;
         at_least_one("schedule.log_every", log_every as f64)?;
         at_least_one("schedule.checkpoint_every", checkpoint_every as f64)
+    }
+
+    /// Whether each choice gives what the next one needs, and is needed itself.
+    fn composition(&self) -> Result<(), ConfigError> {
+        let refuse =
+            |choice: &'static str, reason: String| Err(ConfigError::Composition { choice, reason });
+        let algorithm = self.algorithm.name();
+        let learns_values = !matches!(self.algorithm, AlgorithmConfig::Bc(_));
+        if matches!(self.reward, RewardConfig::None {}) {
+            if learns_values {
+                let reason = format!(
+                    "{algorithm} needs a reward for each transition, and reward.source = \"none\" gives none: choose another \
+                     source, or the algorithm bc"
+                );
+                return refuse("algorithm", reason);
+            }
+            if matches!(self.filter, FilterConfig::TopPredicted { .. }) {
+                let reason = "top-predicted ranks episodes by predicted return, and reward.source = \"none\" predicts none: \
+                              choose another source, or filter.keep = \"top-true\""
+                    .to_owned();
+                return refuse("filter", reason);
+            }
+        }
+        if !learns_values && !matches!(self.discount, DiscountConfig::Constant { .. }) {
+            let reason = format!(
+                "{algorithm} looks at no discount, so nothing would come of it: set discount.rule = \"constant\""
+            );
+            return refuse("discount", reason);
+        }
+        Ok(())
+    }
+}
+
+fn filter(config: &FilterConfig) -> Result<(), ConfigError> {
+    match *config {
+        FilterConfig::All {} => Ok(()),
+        FilterConfig::TopPredicted { k } | FilterConfig::TopTrue { k } => {
+            within("filter.k", k, k > 0.0 && k <= 100.0, "in (0, 100]")
+        }
     }
 }
 
@@ -56,65 +99,4 @@ fn discount(config: &DiscountConfig) -> Result<(), ConfigError> {
             percent(k)
         }
     }
-}
-
-fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
-    match config {
-        AlgorithmConfig::Iql(config) => iql(config),
-    }
-}
-
-fn iql(config: &IqlConfig) -> Result<(), ConfigError> {
-    let IqlConfig { tau, beta, .. } = *config;
-    within("algorithm.tau", tau, tau > 0.0 && tau < 1.0, "in (0, 1)")?;
-    let holds = beta >= 0.0 && beta.is_finite();
-    within("algorithm.beta", beta, holds, "in [0, inf)")?;
-    at_least_one("algorithm.steps", config.steps as f64)?;
-    at_least_one("algorithm.batch", config.batch as f64)?;
-    let rate = config.target_rate;
-    let holds = rate > 0.0 && rate <= 1.0;
-    within("algorithm.target_rate", rate, holds, "in (0, 1]")?;
-    positive("algorithm.learning_rate", config.learning_rate)?;
-    positive("algorithm.advantage_clip", config.advantage_clip)?;
-    let [low, high] = config.log_std;
-    within(
-        "algorithm.log_std[1]",
-        high,
-        high.is_finite(),
-        "in (-inf, inf)",
-    )?;
-    let holds = low.is_finite() && low <= high;
-    within(
-        "algorithm.log_std[0]",
-        low,
-        holds,
-        "in (-inf, algorithm.log_std[1]]",
-    )?;
-    let fields = [
-        "algorithm.adam.beta1",
-        "algorithm.adam.beta2",
-        "algorithm.adam.epsilon",
-    ];
-    adam(fields, config.adam)?;
-    widths("algorithm.hidden", &config.hidden)
-}
-
-fn oprl(config: &OprlConfig) -> Result<(), ConfigError> {
-    let members = config.members;
-    let holds = (1..=ted_core::MAX_MEMBERS).contains(&members);
-    within("reward.members", members as f64, holds, "1 to 8")?;
-    at_least_one("reward.segment", config.segment.into())?;
-    at_least_one("reward.pool", config.pool as f64)?;
-    positive("reward.learning_rate", config.learning_rate)?;
-    if let InputScaling::Standard { floor } = config.scaling {
-        // A channel that never moves is divided by the floor.
-        small("reward.scaling.floor", as_written(floor))?;
-    }
-    let fields = [
-        "reward.adam.beta1",
-        "reward.adam.beta2",
-        "reward.adam.epsilon",
-    ];
-    adam(fields, config.adam)?;
-    widths("reward.hidden", &config.hidden)
 }

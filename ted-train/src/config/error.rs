@@ -51,6 +51,14 @@ pub enum ConfigError {
         /// Where it must lie.
         range: &'static str,
     },
+    /// Two choices of which one does not give what the other needs.
+    #[error("{choice} does not go with the rest of the configuration: {reason}")]
+    Composition {
+        /// The choice.
+        choice: &'static str,
+        /// Why, and the way out.
+        reason: String,
+    },
     /// A network that the controller could not run.
     #[error("{field} is {hidden:?}, but the controller runs at most {} hidden layers of 1 to {MAX_WIDTH} units", MAX_LAYERS - 1)]
     Widths {

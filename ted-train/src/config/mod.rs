@@ -14,6 +14,7 @@ pub use preset::{Preset, Row, TABLE};
 use serde::{Deserialize, Serialize};
 
 use crate::algorithm::AlgorithmConfig;
+use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
 use crate::ted::DiscountConfig;
@@ -32,6 +33,8 @@ pub struct Config {
     pub unit_rewards: bool,
     /// Where rewards come from.
     pub reward: RewardConfig,
+    /// Which episodes the policy is learned from.
+    pub filter: FilterConfig,
     /// Which discount a transition gets.
     pub discount: DiscountConfig,
     /// Which offline algorithm learns the policy, and how.

@@ -136,7 +136,7 @@ fn clean(error: &toml::de::Error) -> String {
     error.to_string().trim().replace('\n', " ")
 }
 
-/// Merges tables key by key. A table that names another kind (`source`, `rule`, `kind`) replaces the old one: the
+/// Merges tables key by key. A table that names another kind (`source`, `keep`, `rule`, `kind`) replaces the old one: the
 /// fields of one kind mean nothing to another.
 fn merge(base: &mut Table, layer: Table) {
     for (key, value) in layer {
@@ -150,7 +150,7 @@ fn merge(base: &mut Table, layer: Table) {
 }
 
 fn same_kind(old: &Table, new: &Table) -> bool {
-    ["source", "rule", "kind"]
+    ["source", "keep", "rule", "kind"]
         .iter()
         .all(|tag| new.get(*tag).is_none_or(|v| old.get(*tag) == Some(v)))
 }
@@ -180,7 +180,9 @@ mod tests {
         ])
         .unwrap();
         assert_eq!(config.algorithm.steps(), 7);
-        let AlgorithmConfig::Iql(iql) = &config.algorithm;
+        let AlgorithmConfig::Iql(iql) = &config.algorithm else {
+            panic!("{config:?}");
+        };
         assert_eq!(iql.hidden, [64, 64]);
         assert_eq!(
             config.discount,

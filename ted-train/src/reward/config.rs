@@ -3,11 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::oprl::OprlConfig;
+use super::transport::TransportConfig;
 
 /// Where the rewards of a run come from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "source", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RewardConfig {
+    /// None: for an algorithm that learns from actions alone.
+    None {},
     /// The dataset's own rewards: what a run could reach with perfect labels.
     True {},
     /// Zero everywhere: what pessimism alone reaches.
@@ -18,4 +21,6 @@ pub enum RewardConfig {
     Negative {},
     /// An ensemble learned from preferences.
     Oprl(OprlConfig),
+    /// What it costs to carry an episode to those of the highest true returns (OTR).
+    Transport(TransportConfig),
 }

@@ -18,10 +18,12 @@ use std::path::PathBuf;
 use crate::config::Config;
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::export::{ContractText, ExportError};
+use crate::filter::NothingKept;
 use crate::nn::BackendError;
 use crate::preferences::Teacher;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
+use crate::reward::transport::TransportError;
 use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
 
@@ -40,6 +42,12 @@ pub enum TrainError {
     /// The reward phase.
     #[error(transparent)]
     Learn(#[from] LearnError),
+    /// Rewards by optimal transport.
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+    /// The filter.
+    #[error(transparent)]
+    Filter(#[from] NothingKept),
     /// The discounts.
     #[error(transparent)]
     Discount(#[from] ted_core::DiscountError),

@@ -6,10 +6,12 @@ use ted_core::TedDiscount;
 
 use crate::config::Config;
 use crate::dataset::Dataset;
+use crate::filter::Kept;
 use crate::iql::Replay;
 use crate::preferences::Teacher;
 use crate::rng::Seed;
 use crate::run::{Checkpoint, RunFolder};
+use crate::ted::Discounted;
 
 use super::offline::LearnedPolicy;
 use super::rewards::{self, Rewards};
@@ -24,7 +26,8 @@ pub struct Prepared<'a> {
     pub(super) saved: Option<Checkpoint>,
     rewards: Rewards,
     ted: Option<TedDiscount>,
-    discounts: Vec<f32>,
+    kept: Kept,
+    discounted: Discounted,
 }
 
 impl<'a> Prepared<'a> {
@@ -47,11 +50,10 @@ impl<'a> Prepared<'a> {
         let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
         let returns_hat = rewards.labels.episode_returns(dataset);
 
-        // Phase 3: a discount for each transition.
+        // Phase 3: which transitions the policy is learned from, and a discount for each.
+        let kept = config.filter.kept(dataset, &returns_hat)?;
         let ted = config.discount.lookup(&returns_hat)?;
-        let discounts = config
-            .discount
-            .discounts(ted.as_ref(), dataset, &returns_hat);
+        let discounted = config.discount.apply(dataset, &rewards.labels)?;
         Ok(Self {
             dataset,
             config,
@@ -59,7 +61,8 @@ impl<'a> Prepared<'a> {
             saved: folder.newest_checkpoint(config, audience),
             rewards,
             ted,
-            discounts,
+            kept,
+            discounted,
         })
     }
 
@@ -85,8 +88,8 @@ impl<'a> Prepared<'a> {
 
     /// What the policy is learned from.
     pub(super) fn replay(&self) -> Replay<'a> {
-        let rewards = self.rewards.labels.rewards.clone();
-        Replay::new(self.dataset, rewards, self.discounts.clone())
+        let Discounted { rewards, discounts } = self.discounted.clone();
+        Replay::new(self.dataset, rewards, discounts).keep(self.kept.clone())
     }
 
     /// Updates that it goes on from.

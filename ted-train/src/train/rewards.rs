@@ -13,6 +13,7 @@ use crate::reward::oprl::{
     ExportedEnsemble, Fit, HeldOut, LearnError, OprlConfig, held_out_agreement, learn,
 };
 use crate::reward::quality::RewardQuality;
+use crate::reward::transport::transport_labels;
 use crate::reward::{
     Labels, RewardConfig, dataset_labels, ensemble_labels, negative_labels, random_labels,
     zero_labels,
@@ -108,8 +109,12 @@ fn label(
 ) -> Result<(Rewards, EnsembleFacts), TrainError> {
     let (raw, learned) = match &config.reward {
         RewardConfig::True {} => (dataset_labels(dataset), None),
-        RewardConfig::Zero {} => (zero_labels(dataset), None),
+        RewardConfig::None {} | RewardConfig::Zero {} => (zero_labels(dataset), None),
         RewardConfig::Random {} => (random_labels(dataset, root.child("reward/random")), None),
+        RewardConfig::Transport(config) => {
+            audience.note("carry every episode to the best ones");
+            (transport_labels(dataset, config)?, None)
+        }
         RewardConfig::Negative {} => (negative_labels(dataset), None),
         RewardConfig::Oprl(oprl) => {
             let (ensemble, facts) = ensemble(oprl)?;

@@ -49,6 +49,7 @@ fn batch_of([rows, observation, action]: [usize; 3], lanes: &[u64], step: u64) -
             actions: draw("a", rows * action),
             rewards: draw("r", rows),
             discounts: discounts.take(rows).collect(),
+            transitions: (0..rows as u32).collect(),
         }
     };
     Batch::of_lanes(lanes.iter().map(of_lane).collect())
