@@ -146,6 +146,6 @@ pub(crate) fn stamp(bytes: &mut [u8]) {
     }
 }
 
-fn field(bytes: &[u8], at: usize) -> Option<u32> {
+pub(crate) fn field(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk::<4>()?))
 }

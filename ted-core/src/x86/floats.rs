@@ -17,6 +17,10 @@ const PAIRS: usize = ROWS / 2;
 /// Columns loaded together. They are two terms of each lane, which are added one after the other.
 const COLUMNS: usize = 8;
 
+/// Weights from the first of a group to those that are prefetched when it is begun: five kilobytes. The processor's own guess is
+/// late, since no row is long, and a whole group of wide rows is more than the first-level cache likes to hold in advance.
+const AHEAD: usize = 1280;
+
 /// Computes `out[o] = sum_i weights[o][i] * x[i] + bias[o]` of the first rows, and returns of how many: of all but the last
 /// few, or of none where the processor has no AVX.
 pub(crate) fn sums(weights: &[f32], bias: &[f32], x: &[f32], out: &mut [f32]) -> usize {
@@ -47,44 +51,44 @@ fn sums_of_group(weights: &[f32], bias: &[f32; ROWS], x: &[f32], out: &mut [f32;
     if weights.len() != ROWS * inputs {
         return;
     }
-    let row = |r: usize| weights.as_ptr().wrapping_add(r * inputs);
-    let next_group = weights.as_ptr_range().end;
     let mut sums = [_mm256_setzero_ps(); PAIRS];
-    let mut column = 0;
-    while column + COLUMNS <= inputs {
-        // SAFETY: `COLUMNS` of them begin at `column`, in `x` and in each row.
-        let x = unsafe { _mm256_loadu_ps(x.as_ptr().add(column)) };
+    // Where the columns begin in the first row of each half, and what will be needed later, in the order it lies in memory.
+    let mut lower = weights.as_ptr();
+    let mut upper = lower.wrapping_add(PAIRS * inputs);
+    let mut ahead = lower.wrapping_add(AHEAD);
+    let (blocks, tail) = x.as_chunks::<COLUMNS>();
+    for x in blocks {
+        // SAFETY: it is as long as a register.
+        let x = unsafe { _mm256_loadu_ps(x.as_ptr()) };
         for (r, sum) in sums.iter_mut().enumerate() {
-            // As much of the next rows as is read of these. The processor's own guess is late: no row is long. It needs no
-            // more than an address, so after the last rows it does no harm.
-            _mm_prefetch::<_MM_HINT_T0>(
-                next_group
-                    .wrapping_add(ROWS * column + 2 * COLUMNS * r)
-                    .cast(),
-            );
-            // SAFETY: as above.
+            // A prefetch needs no more than an address, so after the last rows it does no harm.
+            _mm_prefetch::<_MM_HINT_T0>(ahead.wrapping_add(2 * COLUMNS * r).cast());
+            // SAFETY: each row has as many columns as `x`, and there are twice `PAIRS`.
             let (lower, upper) = unsafe {
                 (
-                    _mm256_loadu_ps(row(r).add(column)),
-                    _mm256_loadu_ps(row(r + PAIRS).add(column)),
+                    _mm256_loadu_ps(lower.add(r * inputs)),
+                    _mm256_loadu_ps(upper.add(r * inputs)),
                 )
             };
             *sum = add(*sum, _mm256_mul_ps(lower, x), _mm256_mul_ps(upper, x));
         }
-        column += COLUMNS;
+        lower = lower.wrapping_add(COLUMNS);
+        upper = upper.wrapping_add(COLUMNS);
+        ahead = ahead.wrapping_add(ROWS * COLUMNS);
     }
-    if column < inputs {
+    if !tail.is_empty() {
         // What the mask leaves out is not read and counts as +0, which changes no lane: none is ever -0, since each began
         // as +0.
-        let mask = first(inputs - column);
+        let mask = first(tail.len());
         // SAFETY: the mask ends where `x` and each row do.
-        let x = unsafe { _mm256_maskload_ps(x.as_ptr().add(column), mask) };
+        let x = unsafe { _mm256_maskload_ps(tail.as_ptr(), mask) };
         for (r, sum) in sums.iter_mut().enumerate() {
+            _mm_prefetch::<_MM_HINT_T0>(ahead.wrapping_add(2 * COLUMNS * r).cast());
             // SAFETY: as above.
             let (lower, upper) = unsafe {
                 (
-                    _mm256_maskload_ps(row(r).add(column), mask),
-                    _mm256_maskload_ps(row(r + PAIRS).add(column), mask),
+                    _mm256_maskload_ps(lower.add(r * inputs), mask),
+                    _mm256_maskload_ps(upper.add(r * inputs), mask),
                 )
             };
             *sum = add(*sum, _mm256_mul_ps(lower, x), _mm256_mul_ps(upper, x));

@@ -4,6 +4,7 @@
 //! thread, so that a machine that slows down slows all of them; ratios are taken within a round. Every engine has its
 //! observation standardised by the same plain loop, which costs the peers less than two more nodes in their graphs would.
 
+mod blob;
 mod engines;
 mod measure;
 mod network;
@@ -14,6 +15,7 @@ mod report;
 use std::error::Error;
 use std::process::ExitCode;
 
+use blob::Blob;
 use network::Network;
 use quantise::Quantised;
 
@@ -54,8 +56,9 @@ fn run() -> Result<(), Box<dyn Error>> {
         .map_err(|_| format!("ORT_DYLIB_PATH does not name libonnxruntime\n{USAGE}"))?;
 
     let network = Network::new();
+    let blob = Blob::new(&network);
     let quantised = Quantised::new(&network);
-    let mut engines = engines::all(&network, &quantised, &library)?;
+    let mut engines = engines::all(&network, &blob, &quantised, &library)?;
     let errors = measure::check(&network, &mut engines)?;
     let timings = measure::time(&network, &mut engines, rounds)?;
     let rows = report::rows(&engines, &errors, &timings);

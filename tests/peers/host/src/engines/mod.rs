@@ -9,6 +9,7 @@ mod tract;
 
 use std::error::Error;
 
+use crate::blob::Blob;
 use crate::network::{ACTION, Network, OBSERVATION};
 use crate::onnx;
 use crate::quantise::Quantised;
@@ -37,12 +38,13 @@ pub trait Engine {
 /// All of them: ted-core in f32 first, ted-core in integers second, then the peers.
 pub fn all<'n>(
     network: &'n Network,
+    blob: &'n Blob,
     quantised: &'n Quantised,
     library: &str,
 ) -> Result<Vec<Box<dyn Engine + 'n>>, Box<dyn Error>> {
     let model = onnx::model(network);
     Ok(vec![
-        Box::new(ted_f32::TedF32::new(network)?),
+        Box::new(ted_f32::TedF32::new(network, blob)?),
         Box::new(ted_integer::TedInteger::new(network, quantised)?),
         Box::new(onnxruntime::OnnxRuntime::new(network, &model, library)?),
         Box::new(tract::Tract::new(network, &model)?),

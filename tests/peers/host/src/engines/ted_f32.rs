@@ -5,6 +5,7 @@ use std::error::Error;
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy, Scratch};
 
 use super::Engine;
+use crate::blob::Blob;
 use crate::network::{ACTION, Network, OBSERVATION};
 
 pub struct TedF32<'n> {
@@ -13,13 +14,14 @@ pub struct TedF32<'n> {
 }
 
 impl<'n> TedF32<'n> {
-    pub fn new(network: &'n Network) -> Result<Self, Box<dyn Error>> {
-        let layers = network
-            .layers
-            .iter()
-            .map(|layer| Dense::new(layer.inputs, layer.outputs, &layer.weights, &layer.bias))
-            .collect::<Result<Vec<_>, _>>()?;
-        let normaliser = Normaliser::new(&network.shift, &network.scale)?;
+    pub fn new(network: &Network, blob: &'n Blob) -> Result<Self, Box<dyn Error>> {
+        let mut arrays = blob.arrays();
+        let mut next = || arrays.next().ok_or("the blob is too short");
+        let normaliser = Normaliser::new(next()?, next()?)?;
+        let mut layers = Vec::new();
+        for layer in &network.layers {
+            layers.push(Dense::new(layer.inputs, layer.outputs, next()?, next()?)?);
+        }
         Ok(Self {
             policy: Policy::new(normaliser, Mlp::new(&layers, Output::Tanh)?)?,
             scratch: Scratch::new(),
