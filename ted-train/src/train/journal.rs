@@ -97,9 +97,10 @@ impl<'s> Journal<'s> {
     }
 }
 
-/// Refuses to go on with a learner that has diverged.
+/// Refuses to go on with a learner that has diverged. A loss says more than what followed from it.
 fn finite(row: &Metrics, step: u64) -> Result<(), TrainError> {
-    match row.iter().find(|(_, number)| number.is_null()) {
+    let diverged = row.iter().filter(|(_, number)| number.is_null());
+    match diverged.min_by_key(|(metric, _)| !metric.ends_with("_loss")) {
         Some((metric, _)) => Err(TrainError::Diverged {
             metric: metric.replace('_', " "),
             step,
