@@ -11,18 +11,23 @@ pub(crate) const ROWS: usize = 6;
 
 /// A batch for each lane, the same wherever the lane stands.
 pub(crate) fn batch(lanes: &[u64], step: u64) -> Batch {
-    let mut batch = Batch::default();
-    for lane in lanes {
+    batch_of([ROWS, OBSERVATION, ACTION], lanes, step)
+}
+
+/// The same with so many rows, observations and actions.
+pub(crate) fn batch_of([rows, observation, action]: [usize; 3], lanes: &[u64], step: u64) -> Batch {
+    let of_lane = |lane: &u64| {
         let draw = |name: &str, count| numbers(count, &format!("{lane}/{step}/{name}"));
-        batch.observations.extend(draw("s", ROWS * OBSERVATION));
-        let next = draw("s'", ROWS * OBSERVATION);
-        batch.next_observations.extend(next);
-        batch.actions.extend(draw("a", ROWS * ACTION));
-        batch.rewards.extend(draw("r", ROWS));
         // Discounts of both kinds, and terminals.
-        batch
-            .discounts
-            .extend([0.99, 0.693, 0.99, 0.0, 0.693, 0.99]);
-    }
-    batch
+        let discounts = [0.99, 0.693, 0.99, 0.0, 0.693, 0.99].into_iter().cycle();
+        Batch {
+            observations: draw("s", rows * observation),
+            next_observations: draw("s'", rows * observation),
+            actions: draw("a", rows * action),
+            rewards: draw("r", rows),
+            discounts: discounts.take(rows).collect(),
+            transitions: (0..rows as u32).collect(),
+        }
+    };
+    Batch::of_lanes(lanes.iter().map(of_lane).collect())
 }

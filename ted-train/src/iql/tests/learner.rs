@@ -1,12 +1,13 @@
 //! The learner as a whole: schedule, lanes, saving and going on, and the backends against each other.
 
+use crate::iql::fixtures::{batch, batch_of};
 use crate::iql::{Iql, IqlConfig};
 use crate::nn::Backend;
 use crate::nn::fixtures::{BACKENDS, assert_close, bits, values, wide};
 use crate::rng::Seed;
 use crate::run::Checkpoint;
 
-use super::{batch, batch_of, config, learner};
+use super::{config, learner};
 
 /// Every number that a lane has, by tensor.
 fn state(iql: &Iql, lane: usize) -> Vec<(String, Vec<f32>)> {

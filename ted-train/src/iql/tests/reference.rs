@@ -1,13 +1,14 @@
 //! A whole update against a reference that shares nothing with it: scalar arithmetic in double precision, gradients by
 //! central differences of the losses as the paper writes them.
 
+use crate::iql::fixtures::{ACTION, OBSERVATION, ROWS, batch};
 use crate::iql::networks::HEADS;
 use crate::iql::{Batch, Iql, IqlConfig};
 use crate::nn::fixtures::{BACKENDS, assert_close, numbers, values, wide};
 use crate::nn::scalar::{ScalarAdam, ScalarMlp, central_differences, flat};
 use crate::nn::{Adam, Backend};
 
-use super::{ACTION, OBSERVATION, ROWS, batch, config, learner};
+use super::{config, learner};
 
 /// One lane of implicit Q-learning.
 struct Reference {
