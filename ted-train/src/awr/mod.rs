@@ -26,7 +26,7 @@
 //! | V | the network's output times 100 | times 1/(1 - gamma), which is 100 | - |
 //! | optimiser | SGD, momentum 0.9, 0.01 for V and 5e-5 for the policy | the same | - |
 //! | lambda, temperature, weight clip | 0.95, 1, 20 | the same | - |
-//! | advantages | normalised over the whole dataset | over the buffer | - |
+//! | advantages | normalised over every transition that may be drawn | over the buffer | - |
 //! | data actions | clipped to +-(1 - 1e-5), as every learner gets them | as recorded | - |
 //! | observations | standardised by dataset statistics | by running ones | - |
 //! | rewards | mapped to [0, 1] over the dataset | raw | - |

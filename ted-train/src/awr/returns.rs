@@ -1,5 +1,7 @@
 //! What a transition was worth, and what that makes it weigh: plain numbers, an episode or a dataset at a time.
 
+use crate::filter::Kept;
+
 /// TD(lambda) returns of one episode, each step with a discount of its own:
 /// `R_t = r_t + gamma_t [(1 - lambda) V_t+1 + lambda R_t+1]`.
 ///
@@ -25,12 +27,18 @@ pub(super) fn lambda_returns(
 /// Added to the standard deviation of the advantages, so that equal ones weigh one.
 const STD_FLOOR: f64 = 1e-5;
 
-/// `min(exp(normalised advantage / temperature), clip)`, normalised over all of them.
-pub(super) fn advantage_weights(advantages: &[f64], temperature: f64, clip: f64) -> Vec<f32> {
-    let count = advantages.len() as f64;
-    let mean = advantages.iter().sum::<f64>() / count;
-    let square = |a: &f64| (a - mean) * (a - mean);
-    let std = (advantages.iter().map(square).sum::<f64>() / count).sqrt();
+/// `min(exp(normalised advantage / temperature), clip)`, normalised over those of the transitions that may be drawn.
+pub(super) fn advantage_weights(
+    advantages: &[f64],
+    kept: &Kept,
+    temperature: f64,
+    clip: f64,
+) -> Vec<f32> {
+    let drawn = || (0..kept.count()).map(|index| advantages[kept.step(index)]);
+    let count = kept.count() as f64;
+    let mean = drawn().sum::<f64>() / count;
+    let squares = drawn().map(|a| (a - mean) * (a - mean));
+    let std = (squares.sum::<f64>() / count).sqrt();
     let weight = |a: &f64| {
         let normalised = (a - mean) / (std + STD_FLOOR);
         (normalised / temperature).exp().min(clip) as f32

@@ -51,7 +51,8 @@ impl Sweep {
             let values = values(&critic.member(lane), replay, config, device);
             let returns = returns(replay, &values, config.lambda).into_iter();
             let advantages: Vec<_> = returns.map(|(v, r)| r - f64::from(v)).collect();
-            advantage_weights(&advantages, config.temperature, config.weight_clip)
+            let (temperature, clip) = (config.temperature, config.weight_clip);
+            advantage_weights(&advantages, replay.kept(), temperature, clip)
         };
         let labels = replays.iter().enumerate().map(of_lane).collect();
         Self { begins, labels }

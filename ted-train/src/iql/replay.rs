@@ -80,6 +80,12 @@ impl<'a> Replay<'a> {
         &self.discounts
     }
 
+    /// The transitions that batches are drawn from.
+    #[must_use]
+    pub fn kept(&self) -> &Kept {
+        &self.kept
+    }
+
     /// Standardised observations of these rows of the dataset, `[row, observation]`.
     pub(crate) fn standardised(&self, rows: std::ops::Range<usize>) -> Vec<f32> {
         let width = self.dataset.observation_dim();

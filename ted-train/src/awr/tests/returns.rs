@@ -1,6 +1,9 @@
 //! TD(lambda) with a discount for each transition, and the weights of advantages, by hand.
 
 use crate::awr::{advantage_weights, lambda_returns};
+use crate::dataset::Dataset;
+use crate::dataset::fixtures::{SHAPE, records};
+use crate::filter::{FilterConfig, Kept};
 use crate::nn::fixtures::assert_close;
 
 const REWARDS: [f32; 3] = [1.0, 2.0, 3.0];
@@ -31,10 +34,27 @@ fn lambda_goes_from_one_step_ahead_to_the_end_of_the_recording() {
 
 #[test]
 fn weights_are_exponentials_of_normalised_advantages_up_to_the_clip() {
+    let (all, _) = kept();
     // Mean 2, standard deviation 1.
-    let weights = advantage_weights(&[1.0, 3.0], 0.5, 20.0);
-    assert_close(&weights, &[(-2f64).exp(), 2f64.exp()], 1e-4, "weights");
-    let clipped = advantage_weights(&[1.0, 3.0], 0.5, 4.0);
+    let weights = advantage_weights(&[1.0, 3.0, 1.0, 3.0], &all, 0.5, 20.0);
+    assert_close(&weights[..2], &[(-2f64).exp(), 2f64.exp()], 1e-4, "weights");
+    let clipped = advantage_weights(&[1.0, 3.0, 1.0, 3.0], &all, 0.5, 4.0);
     assert_eq!((clipped[0], clipped[1]), (weights[0], 4.0));
-    assert_eq!(advantage_weights(&[5.0; 3], 1.0, 20.0), [1.0; 3]);
+    assert_eq!(advantage_weights(&[5.0; 4], &all, 1.0, 20.0), [1.0; 4]);
+}
+
+#[test]
+fn advantages_are_normalised_over_what_may_be_drawn() {
+    let (_, first_episode) = kept();
+    // The other two are as large as one likes.
+    let weights = advantage_weights(&[1.0, 3.0, 900.0, -900.0], &first_episode, 0.5, 20.0);
+    assert_close(&weights[..2], &[(-2f64).exp(), 2f64.exp()], 1e-4, "weights");
+}
+
+/// All transitions of two episodes of two steps each, and those of the first.
+fn kept() -> (Kept, Kept) {
+    let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records(&[2, 2])).unwrap();
+    let of = |filter: FilterConfig| filter.kept(&dataset, &[1.0, 0.0]).unwrap();
+    let first = of(FilterConfig::TopPredicted { k: 50.0 });
+    (of(FilterConfig::All {}), first)
 }
