@@ -116,8 +116,8 @@ impl Kept {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algorithm::Replay;
     use crate::dataset::fixtures::{SHAPE, records};
-    use crate::iql::Replay;
     use crate::rng::Seed;
 
     const LENGTHS: [usize; 4] = [2, 3, 1, 4];

@@ -2,9 +2,6 @@
 #![doc = include_str!("../README.md")]
 
 pub mod algorithm;
-pub mod atac;
-pub mod awr;
-pub mod bc;
 pub mod bench;
 pub mod cli;
 pub mod collect;
@@ -17,7 +14,6 @@ pub mod export;
 pub mod filter;
 pub mod fleet;
 pub mod inspect;
-pub mod iql;
 pub mod nn;
 pub mod preferences;
 pub mod quantise;

@@ -7,7 +7,7 @@ use ted_core::integer::{IntegerPolicy, IntegerScratch, MAX_FRACTION_BITS};
 use ted_core::quantised::QuantisedPolicy;
 use ted_core::{Normaliser, Policy, Scratch, ShapeError};
 
-use crate::iql::{Iql, IqlConfig};
+use crate::algorithm::iql::{Iql, IqlConfig};
 use crate::nn::Backend;
 use crate::quantise::{Calibration, QuantisedNetwork};
 use crate::rng::Seed;

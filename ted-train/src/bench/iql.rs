@@ -7,8 +7,9 @@ use rand::RngExt;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
+use crate::algorithm::Replay;
+use crate::algorithm::iql::{Iql, IqlConfig};
 use crate::dataset::{Dataset, DatasetError, EpisodeRecord, Shape};
-use crate::iql::{Iql, IqlConfig, Replay};
 use crate::nn::Backend;
 use crate::rng::Seed;
 

@@ -5,11 +5,11 @@ use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
 use crate::algorithm::AlgorithmConfig;
-use crate::atac::AtacConfig;
-use crate::awr::AwrConfig;
-use crate::bc::BcConfig;
+use crate::algorithm::atac::AtacConfig;
+use crate::algorithm::awr::AwrConfig;
+use crate::algorithm::bc::BcConfig;
+use crate::algorithm::iql::IqlConfig;
 use crate::filter::FilterConfig;
-use crate::iql::IqlConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::OprlConfig;

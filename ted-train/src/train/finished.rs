@@ -4,10 +4,10 @@ use firmware_sim::progress::Audience;
 use ted_core::{RewardRange, TedDiscount};
 use ted_policy::Digest;
 
+use crate::algorithm::Replay;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
-use crate::iql::Replay;
 use crate::nn::{Backend, ExportedMlp};
 use crate::reward::Labels;
 use crate::reward::oprl::ExportedEnsemble;

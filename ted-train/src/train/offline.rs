@@ -8,8 +8,8 @@ use std::thread;
 use firmware_sim::interrupt;
 use rayon::prelude::*;
 
+use crate::algorithm::{Batch, Replay};
 use crate::algorithm::{Learner, Metrics};
-use crate::iql::{Batch, Replay};
 use crate::nn::ExportedMlp;
 use crate::run::{Checkpoint, ForeignCheckpoint, RunError};
 

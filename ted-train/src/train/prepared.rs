@@ -4,10 +4,10 @@
 use firmware_sim::progress::Audience;
 use ted_core::TedDiscount;
 
+use crate::algorithm::Replay;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::filter::Kept;
-use crate::iql::Replay;
 use crate::preferences::Teacher;
 use crate::rng::Seed;
 use crate::run::{Checkpoint, RunFolder};

@@ -1,12 +1,12 @@
 //! Ranges of the offline algorithms' numbers.
 
 use crate::algorithm::AlgorithmConfig;
-use crate::atac::AtacConfig;
-use crate::awr::AwrConfig;
-use crate::bc::BcConfig;
+use crate::algorithm::atac::AtacConfig;
+use crate::algorithm::awr::AwrConfig;
+use crate::algorithm::bc::BcConfig;
+use crate::algorithm::iql::IqlConfig;
 use crate::config::ConfigError;
 use crate::config::ranges::{adam, at_least_one, positive, widths, within};
-use crate::iql::IqlConfig;
 
 pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
     at_least_one("algorithm.steps", config.steps() as f64)?;
