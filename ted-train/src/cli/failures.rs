@@ -17,6 +17,7 @@ use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
 use crate::replay::ReplayDatasetError;
 use crate::reward::oprl::LearnError;
+use crate::reward::transport::TransportError;
 use crate::run::RunError;
 use crate::study::policies::StudyError;
 use crate::train::TrainError;
@@ -87,6 +88,9 @@ impl Ends for ExportError {
 impl Ends for TrainError {
     fn exit_code(&self) -> ExitCode {
         match self {
+            Self::Learn(LearnError::Interrupted)
+            | Self::Transport(TransportError::Interrupted)
+            | Self::Interrupted { .. } => ExitCode::Interrupted,
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Learn(LearnError::Preference(error)) => error.exit_code(),
@@ -98,9 +102,6 @@ impl Ends for TrainError {
             Self::Export(error) => error.exit_code(),
             Self::Backend(_) | Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => {
                 ExitCode::Failure
-            }
-            Self::Learn(LearnError::Interrupted) | Self::Interrupted { .. } => {
-                ExitCode::Interrupted
             }
         }
     }

@@ -111,10 +111,7 @@ fn label(
         RewardConfig::True {} => (dataset_labels(dataset), None),
         RewardConfig::None {} | RewardConfig::Zero {} => (zero_labels(dataset), None),
         RewardConfig::Random {} => (random_labels(dataset, root.child("reward/random")), None),
-        RewardConfig::Transport(config) => {
-            audience.note("carry every episode to the best ones");
-            (transport_labels(dataset, config)?, None)
-        }
+        RewardConfig::Transport(config) => (transport_labels(dataset, config, audience)?, None),
         RewardConfig::Negative {} => (negative_labels(dataset), None),
         RewardConfig::Oprl(oprl) => {
             let (ensemble, facts) = ensemble(oprl)?;

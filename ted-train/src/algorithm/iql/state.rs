@@ -2,7 +2,7 @@
 
 use burn::tensor::Tensor;
 
-use crate::nn::{AdamState, ExportedMlp, Mlp};
+use crate::nn::ExportedMlp;
 use crate::run::{Checkpoint, ForeignCheckpoint};
 
 use super::Iql;
@@ -51,42 +51,17 @@ impl Iql {
         &mut self,
         mut visit: impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut network = |name: &str, network: &mut Mlp| {
-            let mut layers = network.parameters.layers();
-            for (i, layer) in layers.iter_mut().enumerate() {
-                visit(format!("{name}/{i}/weight"), &mut layer.weight)?;
-                visit(format!("{name}/{i}/bias"), &mut layer.bias)?;
-            }
-            network.parameters.set_layers(layers);
-            Ok(())
-        };
-        network("value", &mut self.value)?;
-        network("actor", &mut self.actor)?;
-        network("critic", &mut self.critic)?;
-        network("target", &mut self.target)?;
+        let visit = &mut visit;
+        self.value.parameters.visit("value", visit)?;
+        self.actor.parameters.visit("actor", visit)?;
+        self.critic.parameters.visit("critic", visit)?;
+        self.target.parameters.visit("target", visit)?;
+        self.value_adam.visit("adam/value", visit)?;
+        self.actor_adam.visit("adam/actor", visit)?;
+        self.critic_adam.visit("adam/critic", visit)?;
+        let adam = &mut self.log_std_adam;
         visit("log_std".to_owned(), &mut self.log_std)?;
-        visit(
-            "adam/log_std/first".to_owned(),
-            &mut self.log_std_adam.first,
-        )?;
-        visit(
-            "adam/log_std/second".to_owned(),
-            &mut self.log_std_adam.second,
-        )?;
-        let mut moments = |name: &str, state: &mut AdamState| {
-            let (mut firsts, mut seconds) = (state.first.layers(), state.second.layers());
-            for (i, (first, second)) in firsts.iter_mut().zip(&mut seconds).enumerate() {
-                visit(format!("adam/{name}/{i}/weight/first"), &mut first.weight)?;
-                visit(format!("adam/{name}/{i}/weight/second"), &mut second.weight)?;
-                visit(format!("adam/{name}/{i}/bias/first"), &mut first.bias)?;
-                visit(format!("adam/{name}/{i}/bias/second"), &mut second.bias)?;
-            }
-            state.first.set_layers(firsts);
-            state.second.set_layers(seconds);
-            Ok(())
-        };
-        moments("value", &mut self.value_adam)?;
-        moments("actor", &mut self.actor_adam)?;
-        moments("critic", &mut self.critic_adam)
+        visit("adam/log_std/first".to_owned(), &mut adam.first)?;
+        visit("adam/log_std/second".to_owned(), &mut adam.second)
     }
 }

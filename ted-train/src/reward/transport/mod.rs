@@ -37,6 +37,8 @@ mod tests;
 pub use config::{Cost, TransportConfig};
 pub use sinkhorn::CONVERGED;
 
+use firmware_sim::interrupt;
+use firmware_sim::progress::Audience;
 use rayon::prelude::*;
 
 use crate::dataset::{Dataset, Episode};
@@ -56,6 +58,11 @@ pub enum TransportError {
         /// Episodes of the dataset.
         episodes: usize,
     },
+    /// Somebody asked to stop.
+    #[error(
+        "stopped before every episode was carried to the best ones; the same command begins that again"
+    )]
+    Interrupted,
     /// An episode so far from every expert that single precision has no number for it.
     #[error(
         "a reward of episode {episode} is not a finite number: set reward.scaling.kind to \"standard\", \
@@ -70,10 +77,12 @@ pub enum TransportError {
 /// The raw reward of each transition, in (0, alpha]: a function of the dataset alone.
 ///
 /// # Errors
-/// When the dataset has fewer episodes than experts are asked for, and when a cost leaves the range of single precision.
+/// When the dataset has fewer episodes than experts are asked for, when a cost leaves the range of single precision, and when
+/// somebody asks to stop.
 pub fn transport_labels(
     dataset: &Dataset,
     config: &TransportConfig,
+    audience: Audience,
 ) -> Result<Vec<f32>, TransportError> {
     let episodes = dataset.episodes();
     let returns: Vec<f64> = episodes.iter().map(|e| e.return_true).collect();
@@ -91,17 +100,24 @@ pub fn transport_labels(
         .iter()
         .map(|&i| metric.expert(dataset, &episodes[i]))
         .collect();
+    let count = episodes.len() as u64;
+    let progress = audience.start("carry episodes to the best ones", count, "episodes");
     let rewards: Vec<Vec<f32>> = episodes
         .par_iter()
         .enumerate()
         .map(|(index, episode)| {
+            if interrupt::requested() {
+                return Err(TransportError::Interrupted);
+            }
             let rewards = rewards(dataset, config, &metric, &experts, episode);
+            progress.advance(1);
             let finite = rewards.iter().all(|r| r.is_finite());
             finite
                 .then_some(rewards)
                 .ok_or(TransportError::NotFinite { episode: index })
         })
         .collect::<Result<_, _>>()?;
+    progress.finish();
     Ok(rewards.concat())
 }
 

@@ -192,7 +192,10 @@ fn the_expert_s_own_episode_has_the_highest_reward() {
             scaling,
             ..one_expert()
         };
-        let sums = sums(&dataset, &transport_labels(&dataset, &config).unwrap());
+        let sums = sums(
+            &dataset,
+            &transport_labels(&dataset, &config, Audience::Nobody).unwrap(),
+        );
         let others = sums[1..].iter().copied().fold(f32::MIN, f32::max);
         assert!(sums[0] > others, "{cost:?}, {scaling:?}: {sums:?}");
         assert!(sums[0] <= 40.0 * 5.0);
@@ -207,7 +210,7 @@ fn a_reward_is_alpha_times_the_exponential_of_beta_times_the_mean_cost_of_a_chan
         beta: 2.0,
         ..one_expert()
     };
-    let actual = transport_labels(&dataset, &config).unwrap();
+    let actual = transport_labels(&dataset, &config, Audience::Nobody).unwrap();
     let cosine = |a: &[f32], b: &[f32]| -> f64 {
         let dot = |a: &[f32], b: &[f32]| -> f64 {
             let terms = a.iter().zip(b);
@@ -240,7 +243,7 @@ fn the_length_of_an_episode_does_not_matter_to_its_rewards() {
         let row = records[0].observations[from].to_vec();
         records[1].observations[step * width..(step + 1) * width].copy_from_slice(&row);
     }
-    let rewards = transport_labels(&dataset(&records), &one_expert()).unwrap();
+    let rewards = transport_labels(&dataset(&records), &one_expert(), Audience::Nobody).unwrap();
     for step in 0..24 {
         assert!((rewards[12 + step] - rewards[step / 2]).abs() < 1e-5);
     }
@@ -254,7 +257,7 @@ fn of_several_experts_the_one_counts_that_the_episode_is_closest_to() {
             experts,
             ..TransportConfig::default()
         };
-        transport_labels(&dataset, &config).unwrap()
+        transport_labels(&dataset, &config, Audience::Nobody).unwrap()
     };
     let (one, three) = (labels(1), labels(3));
     let (of_one, of_three) = (sums(&dataset, &one), sums(&dataset, &three));
@@ -274,7 +277,7 @@ fn the_number_of_threads_shows_in_no_reward() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let labels = pool
             .unwrap()
-            .install(|| transport_labels(&dataset, &config));
+            .install(|| transport_labels(&dataset, &config, Audience::Nobody));
         labels.unwrap().iter().map(|r| r.to_bits()).collect()
     };
     assert_eq!(bits(1), bits(4));
@@ -288,7 +291,7 @@ fn more_experts_than_episodes_and_none_are_refused_with_both_numbers() {
             experts,
             ..TransportConfig::default()
         };
-        let refused = transport_labels(&dataset, &config).unwrap_err();
+        let refused = transport_labels(&dataset, &config, Audience::Nobody).unwrap_err();
         let episodes = 2;
         assert_eq!(refused, TransportError::Experts { experts, episodes });
     }
@@ -302,6 +305,6 @@ fn a_cost_that_single_precision_cannot_hold_is_an_error_that_names_the_episode()
         cost: Cost::Euclidean,
         ..one_expert()
     };
-    let refused = transport_labels(&dataset(&records), &config).unwrap_err();
+    let refused = transport_labels(&dataset(&records), &config, Audience::Nobody).unwrap_err();
     assert_eq!(refused, TransportError::NotFinite { episode: 2 });
 }
