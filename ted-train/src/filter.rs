@@ -39,11 +39,25 @@ pub struct NothingKept {
 }
 
 impl FilterConfig {
-    /// The transitions of the episodes that are kept. `returns_hat` are the predicted returns of all episodes.
+    /// Whether anything is kept of so many episodes.
     ///
     /// # Errors
     /// When the share is less than half an episode.
+    pub fn check(&self, episodes: usize) -> Result<(), NothingKept> {
+        match *self {
+            Self::TopPredicted { k } | Self::TopTrue { k } if share(episodes, k) == 0 => {
+                Err(NothingKept { k, episodes })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The transitions of the episodes that are kept. `returns_hat` are the predicted returns of all episodes.
+    ///
+    /// # Errors
+    /// When [`Self::check`] does.
     pub fn kept(&self, dataset: &Dataset, returns_hat: &[f32]) -> Result<Kept, NothingKept> {
+        self.check(dataset.episodes().len())?;
         let (k, returns): (f64, Vec<f64>) = match *self {
             Self::All {} => return Ok(Kept::all(dataset)),
             Self::TopPredicted { k } => (k, returns_hat.iter().copied().map(f64::from).collect()),
@@ -54,10 +68,6 @@ impl FilterConfig {
         };
         let mut episodes = ranking(&returns);
         episodes.truncate(share(episodes.len(), k));
-        if episodes.is_empty() {
-            let episodes = dataset.episodes().len();
-            return Err(NothingKept { k, episodes });
-        }
         episodes.sort_unstable();
         Ok(Kept::of(dataset, &episodes))
     }

@@ -23,7 +23,7 @@ use crate::nn::BackendError;
 use crate::preferences::Teacher;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
-use crate::reward::transport::TransportError;
+use crate::reward::transport::{self, TransportError};
 use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
 
@@ -88,16 +88,20 @@ pub enum TrainError {
 ///
 /// # Errors
 /// When this build or this machine lacks the backend, when no controller could fly a policy for the dataset, or when it has no
-/// segment as long as the questions ask for.
+/// segment as long as the questions ask for, or too few episodes.
 pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     config.backend.usable()?;
     ContractText::new(dataset)
         .contract()
         .map_err(ExportError::from)?;
-    if let RewardConfig::Oprl(oprl) = &config.reward {
-        SegmentSampler::new(dataset, oprl.segment).map_err(LearnError::from)?;
+    match &config.reward {
+        RewardConfig::Oprl(oprl) => {
+            SegmentSampler::new(dataset, oprl.segment).map_err(LearnError::from)?;
+        }
+        RewardConfig::Transport(config) => transport::check(dataset, config)?,
+        _ => {}
     }
-    Ok(())
+    Ok(config.filter.check(dataset.episodes().len())?)
 }
 
 /// Runs the phases of one run in order: [`Prepared::new`], [`learn`] and [`Prepared::finish`], which for many runs are called

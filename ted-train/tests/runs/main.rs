@@ -9,4 +9,5 @@ mod fleet;
 mod full_disk;
 mod interruptions;
 mod preference_files;
+mod presets;
 mod repeatability;

@@ -74,27 +74,34 @@ pub enum TransportError {
     },
 }
 
+/// Whether the dataset has that many experts.
+///
+/// # Errors
+/// When it has fewer episodes, or none is asked for.
+pub fn check(dataset: &Dataset, config: &TransportConfig) -> Result<(), TransportError> {
+    let (experts, episodes) = (config.experts, dataset.episodes().len());
+    if (1..=episodes).contains(&experts) {
+        Ok(())
+    } else {
+        Err(TransportError::Experts { experts, episodes })
+    }
+}
+
 /// The raw reward of each transition, in (0, alpha]: a function of the dataset alone.
 ///
 /// # Errors
-/// When the dataset has fewer episodes than experts are asked for, when a cost leaves the range of single precision, and when
+/// When [`check`] does, when a cost leaves the range of single precision, and when
 /// somebody asks to stop.
 pub fn transport_labels(
     dataset: &Dataset,
     config: &TransportConfig,
     audience: Audience,
 ) -> Result<Vec<f32>, TransportError> {
+    check(dataset, config)?;
     let episodes = dataset.episodes();
     let returns: Vec<f64> = episodes.iter().map(|e| e.return_true).collect();
-    let experts = match ranking(&returns).get(..config.experts) {
-        Some(best) if !best.is_empty() => best.to_vec(),
-        _ => {
-            return Err(TransportError::Experts {
-                experts: config.experts,
-                episodes: episodes.len(),
-            });
-        }
-    };
+    let mut experts = ranking(&returns);
+    experts.truncate(config.experts);
     let metric = Metric::new(dataset, config);
     let experts: Vec<Expert> = experts
         .iter()

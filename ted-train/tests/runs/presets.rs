@@ -1,0 +1,132 @@
+//! Every composition by the command: listed, trained, gone on with, and refused where it cannot hold.
+
+use std::fs;
+
+use serde_json::Value;
+use ted_policy::{Artifact, ArtifactBytes};
+
+use crate::command::{Desk, assert_same_outcome, checkpoints, finish, ted};
+
+fn listed() -> Vec<Value> {
+    let list = finish(ted().args(["train", "--preset", "list", "--json"])).with(0);
+    serde_json::from_str(&list.said).unwrap()
+}
+
+#[test]
+fn the_list_says_of_every_preset_what_it_is_for_and_where_it_comes_from() {
+    let rows = listed();
+    let table = finish(ted().args(["train", "--preset", "list"]))
+        .with(0)
+        .said;
+    for row in &rows {
+        for part in [
+            "preset",
+            "reward",
+            "filter",
+            "discount",
+            "algorithm",
+            "purpose",
+            "source",
+        ] {
+            let text = row[part].as_str().unwrap();
+            assert!(!text.is_empty() && table.contains(text), "{row}");
+        }
+    }
+    assert_eq!(table.lines().count(), rows.len() + 1);
+}
+
+#[test]
+fn every_preset_trains_goes_on_to_the_same_bytes_and_leaves_an_artefact() {
+    let desk = Desk::with_dataset();
+    for row in listed() {
+        let preset = row["preset"].as_str().unwrap();
+        let mut sets = vec!["algorithm.steps=20"];
+        // Both halves of what these learn in turns, within the twenty.
+        match row["algorithm"].as_str().unwrap() {
+            "atac" => sets.push("algorithm.warm_start=10"),
+            "awr" => sets.extend(["algorithm.critic_steps=5", "algorithm.actor_steps=5"]),
+            _ => {}
+        }
+        if row["reward"] == "transport" {
+            sets.push("reward.experts=2");
+        }
+        let straight = desk.run(&format!("{preset}-straight"));
+        let resumed = desk.run(&format!("{preset}-resumed"));
+        for run in [&straight, &resumed] {
+            finish(&mut desk.train(run.to_str().unwrap(), preset, &sets)).with(0);
+        }
+        // As if it had been killed between its last two checkpoints.
+        fs::remove_file(checkpoints(&resumed).pop().unwrap()).unwrap();
+        fs::remove_file(resumed.join("policy.ted")).unwrap();
+        finish(&mut desk.train(resumed.to_str().unwrap(), preset, &sets)).with(0);
+        assert_same_outcome(&straight, &resumed);
+
+        let bytes = ArtifactBytes::read(straight.join("policy.ted")).unwrap();
+        Artifact::parse(&bytes).unwrap();
+    }
+}
+
+#[test]
+fn choices_that_do_not_go_together_are_refused_with_the_reason() {
+    let desk = Desk::with_dataset();
+    for (preset, set, reason) in [
+        (
+            "true",
+            "reward={source=\"none\"}",
+            "iql needs a reward for each transition",
+        ),
+        (
+            "oprl-atac",
+            "reward={source=\"none\"}",
+            "atac needs a reward for each transition",
+        ),
+        (
+            "bc",
+            "filter={keep=\"top-predicted\", k=10.0}",
+            "predicts none",
+        ),
+        (
+            "bc10",
+            "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=0.7}",
+            "bc looks at no discount",
+        ),
+        (
+            "bc10",
+            "filter.k=0.0",
+            "filter.k is 0, but must be in (0, 100]",
+        ),
+        ("bc10", "filter.k=1.0", "which is none: raise filter.k"),
+        (
+            "otr",
+            "reward.experts=7",
+            "expected 1 to 6, the episodes of the dataset",
+        ),
+        (
+            "oprl-atac",
+            "algorithm.warm_start=60",
+            "less than algorithm.steps",
+        ),
+    ] {
+        let mut command = ted();
+        command
+            .current_dir(desk.folder.path())
+            .arg("train")
+            .arg(desk.dataset());
+        command.args([
+            "--preset",
+            preset,
+            "--out",
+            "run",
+            "--set",
+            "algorithm.steps=60",
+        ]);
+        // What is refused is the last thing set.
+        let before: &[&str] = match preset {
+            "oprl-atac" => &["--set", "algorithm.warm_start=10"],
+            _ => &[],
+        };
+        let told = finish(command.args(before).args(["--set", set])).telling(reason);
+        assert!([Some(2), Some(3)].contains(&told.code), "{told:?}");
+        assert!(!desk.run("run").exists(), "nothing is begun: {set}");
+    }
+}
