@@ -1,9 +1,10 @@
 //! A whole update against a reference that shares nothing with it: scalar arithmetic in double precision, gradients by
 //! central differences of the losses as the paper writes them.
 
+use crate::algorithm::Batch;
 use crate::algorithm::fixtures::{ACTION, OBSERVATION, ROWS, batch};
 use crate::algorithm::iql::networks::HEADS;
-use crate::algorithm::iql::{Batch, Iql, IqlConfig};
+use crate::algorithm::iql::{Iql, IqlConfig};
 use crate::nn::fixtures::{BACKENDS, assert_close, numbers, values, wide};
 use crate::nn::scalar::{ScalarAdam, ScalarMlp, central_differences, flat};
 use crate::nn::{Adam, Backend};
