@@ -1,6 +1,7 @@
 //! Every composition by the command: listed, trained, gone on with, and refused where it cannot hold.
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 use ted_policy::{Artifact, ArtifactBytes};
@@ -47,18 +48,21 @@ fn every_preset_trains_goes_on_to_the_same_bytes_and_leaves_an_artefact() {
             "awr" => sets.extend(["algorithm.critic_steps=5", "algorithm.actor_steps=5"]),
             _ => {}
         }
-        if row["reward"] == "transport" {
-            sets.push("reward.experts=2");
-        }
         let straight = desk.run(&format!("{preset}-straight"));
         let resumed = desk.run(&format!("{preset}-resumed"));
-        for run in [&straight, &resumed] {
-            finish(&mut desk.train(run.to_str().unwrap(), preset, &sets)).with(0);
-        }
+        let train = |run: &Path| {
+            let mut command = desk.train(run.to_str().unwrap(), preset, &sets);
+            if row["reward"] == "transport" {
+                command.args(["--set", "reward.experts=2"]);
+            }
+            finish(&mut command).with(0);
+        };
+        train(&straight);
+        train(&resumed);
         // As if it had been killed between its last two checkpoints.
         fs::remove_file(checkpoints(&resumed).pop().unwrap()).unwrap();
         fs::remove_file(resumed.join("policy.ted")).unwrap();
-        finish(&mut desk.train(resumed.to_str().unwrap(), preset, &sets)).with(0);
+        train(&resumed);
         assert_same_outcome(&straight, &resumed);
 
         let bytes = ArtifactBytes::read(straight.join("policy.ted")).unwrap();
