@@ -9,7 +9,7 @@ use burn::tensor::{Tensor, TensorData};
 use super::adam::AdamStep;
 
 /// Runs `body` on the values of several tensors, in place.
-fn in_place<const N: usize, const D: usize>(
+pub(super) fn in_place<const N: usize, const D: usize>(
     mut tensors: [&mut Tensor<D>; N],
     body: impl FnOnce([&mut [f32]; N]),
 ) {
@@ -48,7 +48,7 @@ pub(super) fn add_bias(mut z: Tensor<3>, bias: &Tensor<3>, relu: bool) -> Tensor
     z
 }
 
-pub(super) fn mask_inactive(mut gradient: Tensor<3>, active: Tensor<3>) -> Tensor<3> {
+pub(crate) fn mask_inactive(mut gradient: Tensor<3>, active: Tensor<3>) -> Tensor<3> {
     let active = active.into_data();
     let active = active.as_slice::<f32>().expect("activations are f32");
     in_place([&mut gradient], |[gradient]| {

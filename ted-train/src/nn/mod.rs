@@ -9,6 +9,7 @@
 //! over buffers, on processors. Which one it is, is seen by nobody above [`Mlp`] and [`Adam`].
 
 mod adam;
+mod adamw;
 mod backend;
 mod device;
 mod export;
@@ -25,12 +26,18 @@ mod passes;
 mod plain;
 #[cfg(test)]
 pub(crate) mod scalar;
+mod schedule;
 #[cfg(test)]
 mod tests;
+pub(crate) mod transformer;
 
 pub use adam::{Adam, AdamState, Moments};
+pub use adamw::AdamW;
+pub(crate) use adamw::AdamWState;
 pub use backend::{Backend, BackendError};
 pub use export::{ExportedLayer, ExportedMlp};
+pub(crate) use host::mask_inactive;
 pub use init::{Initialiser, orthogonal};
 pub use mlp::{Activation, Linear, Mlp, MlpShape};
 pub use momentum::Velocity;
+pub use schedule::WarmupCosine;
