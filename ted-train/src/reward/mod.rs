@@ -8,9 +8,12 @@ mod config;
 mod labels;
 pub mod oprl;
 pub mod quality;
+mod random_queries;
+pub mod transformer;
 pub mod transport;
 
 pub use config::RewardConfig;
 pub use labels::{
     Labels, dataset_labels, ensemble_labels, negative_labels, random_labels, zero_labels,
 };
+pub(crate) use random_queries::ask_random_pairs;

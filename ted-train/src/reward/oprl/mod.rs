@@ -23,12 +23,13 @@ mod disagreement;
 mod ensemble;
 mod inputs;
 mod learn;
-mod loss;
+pub(super) mod loss;
 mod state;
 #[cfg(test)]
 mod tests;
 
 pub use config::{InputScaling, OprlConfig, RewardInputs};
+pub(super) use disagreement::random_pair;
 pub use ensemble::{Ensemble, Fit, LabelledPair};
 pub use inputs::InputMap;
 pub use learn::{HeldOut, LearnError, Learned, held_out_agreement, learn};

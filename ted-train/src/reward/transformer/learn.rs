@@ -1,0 +1,151 @@
+//! The procedure: ask about random pairs, then train on all of them at once.
+
+use firmware_sim::disk::WriteError;
+use firmware_sim::interrupt;
+use firmware_sim::progress::Audience;
+
+use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
+use crate::nn::Backend;
+use crate::nn::transformer::Dropout;
+use crate::preferences::{PreferenceError, PreferenceLog, Teacher};
+use crate::reward::ask_random_pairs;
+use crate::reward::oprl::{Fit, HeldOut, LabelledPair, random_pair};
+use crate::rng::Seed;
+use crate::run::{Checkpoint, ForeignCheckpoint};
+
+use super::config::PtConfig;
+use super::network::RewardTransformer;
+use super::training::{Training, numbers, pair_clips};
+
+/// Steps between two saved states: about a minute of work with the default configuration.
+const SAVE_EVERY: u64 = 500;
+
+/// A trained transformer and how the training went.
+pub struct Learned {
+    /// The transformer.
+    pub transformer: RewardTransformer,
+    /// Fit of the training pairs at the end.
+    pub fit: Fit,
+}
+
+/// Why no transformer was learned.
+#[derive(Debug, thiserror::Error)]
+pub enum LearnError {
+    /// The dataset has no segment of the length asked for.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// An answer could not be had or kept.
+    #[error(transparent)]
+    Preference(#[from] PreferenceError),
+    /// The saved state is of another transformer.
+    #[error(transparent)]
+    Foreign(#[from] ForeignCheckpoint),
+    /// The state could not be saved.
+    #[error(transparent)]
+    Save(#[from] WriteError),
+    /// A loss is no longer a number.
+    #[error(
+        "the reward loss is not finite after {step} steps: the learning rate or the inputs are too large"
+    )]
+    Diverged {
+        /// Steps made.
+        step: u64,
+    },
+    /// Somebody asked to stop.
+    #[error("stopped while learning a reward: every answer is kept and the same command goes on")]
+    Interrupted,
+}
+
+/// Learns from exactly `queries` answers, each appended to `log` before it is used. Goes on from `saved`, the state that was
+/// last given to `save`, with the bits of a training that was never stopped.
+///
+/// # Errors
+/// When the dataset has no segment that long, the teacher, the log or `save` fails, the saved state does not fit, a loss is
+/// not finite, or somebody asks to stop.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "what is learned from, by whom, and where it is kept"
+)]
+pub fn learn(
+    config: &PtConfig,
+    dataset: &Dataset,
+    teacher: &mut dyn Teacher,
+    log: &mut PreferenceLog,
+    seed: Seed,
+    backend: Backend,
+    saved: Option<&Checkpoint>,
+    save: &mut dyn FnMut(&Checkpoint) -> Result<(), WriteError>,
+    audience: Audience,
+) -> Result<Learned, LearnError> {
+    let sampler = SegmentSampler::new(dataset, config.segment)?;
+    let pairs = ask_random_pairs(config.queries, dataset, &sampler, teacher, log, seed)?;
+    let statistics = dataset.observation_statistics();
+    let actions = dataset.action_dim();
+    let transformer = RewardTransformer::new(config, &statistics, actions, seed, backend);
+    let mut training = Training::new(config, transformer, dataset, &pairs, seed);
+    if let Some(saved) = saved {
+        training.restore(saved)?;
+    }
+    let progress = audience.start("learn a reward", config.steps, "steps");
+    progress.skip(training.step);
+    while training.step < config.steps {
+        let loss = training.update();
+        if !loss.is_finite() {
+            return Err(LearnError::Diverged {
+                step: training.step,
+            });
+        }
+        progress.advance(1);
+        let stop = interrupt::requested();
+        if stop || training.step.is_multiple_of(SAVE_EVERY) {
+            save(&training.checkpoint())?;
+            progress.message(&format!("loss {loss:.3}"));
+        }
+        if stop {
+            return Err(LearnError::Interrupted);
+        }
+    }
+    progress.finish();
+    let fit = training.fit();
+    let transformer = training.transformer;
+    Ok(Learned { transformer, fit })
+}
+
+/// Measures the transformer's scores on random pairs, against true returns.
+///
+/// # Errors
+/// When the dataset has no segment of the configured length.
+pub fn held_out_agreement(
+    config: &PtConfig,
+    transformer: &RewardTransformer,
+    dataset: &Dataset,
+    seed: Seed,
+) -> Result<HeldOut, SegmentError> {
+    /// Pairs in one forward pass.
+    const CHUNK: usize = 20;
+    let sampler = SegmentSampler::new(dataset, config.segment)?;
+    let mut rng = seed.child("held-out").rng();
+    let mut pair = || random_pair(&sampler, &mut rng);
+    let pairs: Vec<LabelledPair> = (0..config.held_out)
+        .map(|_| LabelledPair {
+            segments: pair(),
+            label: 0.5,
+        })
+        .collect();
+    let (mut strict, mut agree) = (0, 0);
+    for pairs in pairs.chunks(CHUNK) {
+        let clips = pair_clips(transformer, dataset, pairs);
+        let (scores, _) = transformer.network.scores(&clips, &Dropout::none());
+        let scores = numbers(&scores);
+        let (first, second) = scores.split_at(pairs.len());
+        for (pair, (first, second)) in pairs.iter().zip(first.iter().zip(second)) {
+            let [r0, r1] = pair.segments.map(|s: Segment| s.return_true(dataset));
+            strict += usize::from(r0 != r1);
+            agree += usize::from(r0 != r1 && (second > first) == (r1 > r0));
+        }
+    }
+    Ok(HeldOut {
+        pairs: strict,
+        agreement: agree as f64 / strict.max(1) as f64,
+    })
+}
