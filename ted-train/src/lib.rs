@@ -15,6 +15,7 @@ pub mod filter;
 pub mod fleet;
 pub mod inspect;
 pub mod nn;
+pub mod oppo;
 pub mod preferences;
 pub mod quantise;
 pub mod quickstart;
