@@ -17,7 +17,7 @@ use super::locate::{dataset_path, open_dataset};
 
 const EXAMPLES: &str = "\
 Examples:
-  ted study reward                                     the table of docs/algorithms.md
+  ted study reward                                     the table of docs/rewards.md
   ted study reward --design default --set reward.epochs=400 --seeds 3";
 
 const POLICIES_EXAMPLES: &str = "\

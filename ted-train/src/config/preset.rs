@@ -13,6 +13,7 @@ use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::OprlConfig;
+use crate::reward::transformer::PtConfig;
 use crate::reward::transport::TransportConfig;
 use crate::ted::DiscountConfig;
 
@@ -40,6 +41,9 @@ pub enum Preset {
     Oprl,
     OprlAtac,
     OprlAtacTed,
+    Pt,
+    PtTed,
+    PtTruncate,
     Otr,
     Bc,
     Bc10,
@@ -76,7 +80,7 @@ const SURVIVAL: &str = "Li et al. 2023, on the survival instinct";
 const SANITY: &str = "ours: TED must not make something of nothing";
 
 /// Every preset, in the order of the enum.
-pub const TABLE: [Row; 19] = [
+pub const TABLE: [Row; 22] = [
     row(
         Preset::True,
         "true",
@@ -164,6 +168,24 @@ pub const TABLE: [Row; 19] = [
         "paper, Table 13",
     ),
     row(
+        Preset::Pt,
+        "pt",
+        "Preference Transformer's rewards from ten answers, IQL",
+        "paper, Table 4; Kim et al. 2023",
+    ),
+    row(
+        Preset::PtTed,
+        "pt+ted",
+        "the same with TED",
+        "paper, Table 4",
+    ),
+    row(
+        Preset::PtTruncate,
+        "pt+truncate",
+        "the same, learned from the 70 % predicted best episodes only",
+        "paper, Table 14",
+    ),
+    row(
         Preset::Otr,
         "otr",
         "rewards by optimal transport to the best episodes, IQL",
@@ -200,11 +222,15 @@ impl Preset {
             | Self::Oprl
             | Self::OprlAtac
             | Self::OprlAtacTed => RewardConfig::Oprl(OprlConfig::default()),
+            Self::Pt | Self::PtTed | Self::PtTruncate => {
+                RewardConfig::Transformer(PtConfig::default())
+            }
             Self::Otr => RewardConfig::Transport(TransportConfig::default()),
             Self::Bc | Self::Bc10 => RewardConfig::None {},
         };
         let filter = match self {
             Self::Bc10 => FilterConfig::TopTrue { k: 10.0 },
+            Self::PtTruncate => FilterConfig::TopPredicted { k: 70.0 },
             _ => FilterConfig::All {},
         };
         let discount = match self {
@@ -213,7 +239,8 @@ impl Preset {
             | Self::RandomTed
             | Self::NegativeTed
             | Self::OprlITed
-            | Self::OprlAtacTed => DiscountConfig::TED,
+            | Self::OprlAtacTed
+            | Self::PtTed => DiscountConfig::TED,
             Self::OprlITedTransition => DiscountConfig::TED_TRANSITION,
             Self::OprlITedSoft => DiscountConfig::TED_SOFT,
             Self::OprlIPenalty => DiscountConfig::REWARD_PENALTY,

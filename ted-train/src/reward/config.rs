@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::oprl::OprlConfig;
+use super::transformer::PtConfig;
 use super::transport::TransportConfig;
 
 /// Where the rewards of a run come from.
@@ -21,6 +22,8 @@ pub enum RewardConfig {
     Negative {},
     /// An ensemble learned from preferences.
     Oprl(OprlConfig),
+    /// A transformer learned from preferences, whose reward looks at what came before (Preference Transformer).
+    Transformer(PtConfig),
     /// What it costs to carry an episode to those of the highest true returns (OTR).
     Transport(TransportConfig),
 }

@@ -4,7 +4,8 @@
 //! config.toml          the resolved configuration
 //! dataset.json         which dataset: id, digest, path
 //! preferences.jsonl    every query asked and its answer
-//! reward.state         the trained reward ensemble
+//! reward.state         the learned reward: an ensemble, or the labels of a transformer
+//! reward.training      a transformer on its way there
 //! reward.json          how well it orders the dataset
 //! checkpoints/         the offline learner, the last two
 //! metrics.jsonl        one row every `schedule.log_every` updates

@@ -2,6 +2,7 @@
 
 mod finished;
 mod journal;
+mod model;
 mod offline;
 mod prepared;
 mod rewards;
@@ -23,6 +24,7 @@ use crate::nn::BackendError;
 use crate::preferences::Teacher;
 use crate::reward::RewardConfig;
 use crate::reward::oprl::LearnError;
+use crate::reward::transformer;
 use crate::reward::transport::{self, TransportError};
 use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
@@ -42,6 +44,9 @@ pub enum TrainError {
     /// The reward phase.
     #[error(transparent)]
     Learn(#[from] LearnError),
+    /// The reward phase of a transformer.
+    #[error(transparent)]
+    Transformer(#[from] transformer::LearnError),
     /// Rewards by optimal transport.
     #[error(transparent)]
     Transport(#[from] TransportError),
@@ -97,6 +102,9 @@ pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     match &config.reward {
         RewardConfig::Oprl(oprl) => {
             SegmentSampler::new(dataset, oprl.segment).map_err(LearnError::from)?;
+        }
+        RewardConfig::Transformer(config) => {
+            SegmentSampler::new(dataset, config.segment).map_err(LearnError::from)?;
         }
         RewardConfig::Transport(config) => transport::check(dataset, config)?,
         _ => {}

@@ -8,10 +8,8 @@ use ted_policy::Digest;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::ExportError;
-use crate::preferences::{PreferenceLog, Teacher};
-use crate::reward::oprl::{
-    ExportedEnsemble, Fit, HeldOut, LearnError, OprlConfig, held_out_agreement, learn,
-};
+use crate::preferences::Teacher;
+use crate::reward::oprl::{ExportedEnsemble, Fit, HeldOut};
 use crate::reward::quality::RewardQuality;
 use crate::reward::transport::transport_labels;
 use crate::reward::{
@@ -19,9 +17,10 @@ use crate::reward::{
     zero_labels,
 };
 use crate::rng::Seed;
-use crate::run::{PREFERENCES, RunError, RunFolder};
+use crate::run::RunFolder;
 
 use super::TrainError;
+use super::model::{self, Facts, RewardModel};
 
 /// What `reward.json` says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,9 +41,6 @@ pub struct RewardReport {
     pub quality: RewardQuality,
 }
 
-/// The file of the trained ensemble.
-const STATE: &str = "reward.state";
-
 pub(super) struct Rewards {
     pub labels: Labels,
     pub ensemble: Option<ExportedEnsemble>,
@@ -60,8 +56,8 @@ pub(super) fn rewards(
     root: Seed,
     audience: Audience,
 ) -> Result<Rewards, TrainError> {
-    let (rewards, facts) = label(dataset, config, root, audience, |oprl| {
-        ensemble_of(oprl, dataset, config, folder, teacher, root, audience)
+    let (rewards, facts) = label(dataset, config, root, audience, || {
+        model::learned(dataset, config, folder, teacher, root, audience)
     })?;
     let report = RewardReport {
         queries: facts.queries,
@@ -73,7 +69,7 @@ pub(super) fn rewards(
         quality: RewardQuality::measure(dataset, &rewards.labels),
     };
     folder.write_json("reward.json", &report)?;
-    if matches!(config.reward, RewardConfig::Oprl(_)) {
+    if report.queries > 0 {
         audience.note(&format!(
             "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
              Pearson {:+.2} over transitions",
@@ -87,52 +83,52 @@ pub(super) fn rewards(
     Ok(rewards)
 }
 
-/// Rewards of every transition once more, from the ensemble that the folder of a finished run holds.
+/// Rewards of every transition once more, from the model that the folder of a finished run holds.
 pub(super) fn relabel(
     dataset: &Dataset,
     config: &Config,
     folder: &RunFolder,
     audience: Audience,
 ) -> Result<Rewards, TrainError> {
-    let held = |_: &OprlConfig| Ok(folder.read_state(STATE).map_err(RunError::from)?);
-    let (rewards, _) = label(dataset, config, Seed::root(config.seed), audience, held)?;
+    let root = Seed::root(config.seed);
+    let (rewards, _) = label(dataset, config, root, audience, || model::held(folder))?;
     Ok(rewards)
 }
 
-/// Labels the dataset as the configuration says; `ensemble` is called for the one reward source that needs it.
+/// Labels the dataset as the configuration says; `model` is called for the sources that learn one.
 fn label(
     dataset: &Dataset,
     config: &Config,
     root: Seed,
     audience: Audience,
-    ensemble: impl FnOnce(&OprlConfig) -> Result<(ExportedEnsemble, EnsembleFacts), TrainError>,
-) -> Result<(Rewards, EnsembleFacts), TrainError> {
-    let (raw, learned) = match &config.reward {
-        RewardConfig::True {} => (dataset_labels(dataset), None),
-        RewardConfig::None {} | RewardConfig::Zero {} => (zero_labels(dataset), None),
-        RewardConfig::Random {} => (random_labels(dataset, root.child("reward/random")), None),
-        RewardConfig::Transport(config) => (transport_labels(dataset, config, audience)?, None),
-        RewardConfig::Negative {} => (negative_labels(dataset), None),
-        RewardConfig::Oprl(oprl) => {
-            let (ensemble, facts) = ensemble(oprl)?;
-            audience.note("label the dataset with the ensemble");
-            let raw = ensemble
-                .view(RewardRange {
-                    low: 0.0,
-                    high: 1.0,
-                })
-                .and_then(|view| ensemble_labels(dataset, &view))
-                .map_err(ExportError::from)?;
-            (raw, Some((ensemble, facts)))
+    model: impl FnOnce() -> Result<(RewardModel, Facts), TrainError>,
+) -> Result<(Rewards, Facts), TrainError> {
+    let (mut ensemble, mut facts) = (None, Facts::default());
+    let raw = match &config.reward {
+        RewardConfig::True {} => dataset_labels(dataset),
+        RewardConfig::None {} | RewardConfig::Zero {} => zero_labels(dataset),
+        RewardConfig::Random {} => random_labels(dataset, root.child("reward/random")),
+        RewardConfig::Negative {} => negative_labels(dataset),
+        RewardConfig::Transport(config) => transport_labels(dataset, config, audience)?,
+        RewardConfig::Oprl(_) | RewardConfig::Transformer(_) => {
+            let (model, known) = model()?;
+            facts = known;
+            match model {
+                RewardModel::Labels(raw) => raw,
+                RewardModel::Ensemble(learned) => {
+                    audience.note("label the dataset with the ensemble");
+                    let raw = raw_labels(dataset, &learned)?;
+                    ensemble = Some(learned);
+                    raw
+                }
+            }
         }
     };
-    let (ensemble, facts) = learned.unzip();
     let labels = if config.unit_rewards {
         Labels::unit(raw)
     } else {
         Labels::raw(raw)
     };
-    let facts = facts.unwrap_or_default();
     let preferences_digest = facts
         .preferences_digest
         .as_deref()
@@ -145,57 +141,12 @@ fn label(
     Ok((rewards, facts))
 }
 
-/// What is known about an ensemble besides its weights.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct EnsembleFacts {
-    queries: usize,
-    fits: Vec<Fit>,
-    held_out: Option<HeldOut>,
-    preferences_digest: Option<String>,
-}
-
-/// The ensemble that the folder holds, or a newly learned one.
-fn ensemble_of(
-    oprl: &OprlConfig,
-    dataset: &Dataset,
-    config: &Config,
-    folder: &RunFolder,
-    teacher: &mut dyn Teacher,
-    root: Seed,
-    audience: Audience,
-) -> Result<(ExportedEnsemble, EnsembleFacts), TrainError> {
-    if folder.file(STATE).exists() {
-        match folder.read_state(STATE) {
-            Ok(state) => return Ok(state),
-            Err(error) => audience.note(&format!("learning the reward again: {error}")),
-        }
-    }
-    let mut log =
-        PreferenceLog::open(folder.file(PREFERENCES), dataset).map_err(LearnError::from)?;
-    if let Some(recovered) = log.recovered() {
-        audience.note(&format!(
-            "the preference log had a torn last line; {} answers are kept",
-            recovered.kept
-        ));
-    }
-    let learned = learn(
-        oprl,
-        dataset,
-        teacher,
-        &mut log,
-        root.child("reward"),
-        config.backend,
-        audience,
-    )?;
-    let held_out = held_out_agreement(oprl, &learned.ensemble, dataset, root.child("reward"))
-        .map_err(LearnError::from)?;
-    let facts = EnsembleFacts {
-        queries: log.entries().len(),
-        fits: learned.fits,
-        held_out: Some(held_out),
-        preferences_digest: Some(log.digest().map_err(LearnError::from)?),
+/// What the ensemble says of every transition, before its range is known.
+fn raw_labels(dataset: &Dataset, ensemble: &ExportedEnsemble) -> Result<Vec<f32>, ExportError> {
+    let range = RewardRange {
+        low: 0.0,
+        high: 1.0,
     };
-    let state = (ExportedEnsemble::new(&learned.ensemble), facts);
-    folder.write_state(STATE, &state)?;
-    Ok(state)
+    let view = ensemble.view(range)?;
+    Ok(ensemble_labels(dataset, &view)?)
 }

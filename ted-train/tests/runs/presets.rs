@@ -8,6 +8,17 @@ use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::command::{Desk, assert_same_outcome, checkpoints, finish, ted};
 
+/// A Preference Transformer that learns in a moment.
+const TRANSFORMER: [&str; 7] = [
+    "reward.queries=3",
+    "reward.segment=10",
+    "reward.width=8",
+    "reward.heads=2",
+    "reward.steps=6",
+    "reward.held_out=20",
+    "reward.head=per-step",
+];
+
 fn listed() -> Vec<Value> {
     let list = finish(ted().args(["train", "--preset", "list", "--json"])).with(0);
     serde_json::from_str(&list.said).unwrap()
@@ -52,8 +63,13 @@ fn every_preset_trains_goes_on_to_the_same_bytes_and_leaves_an_artefact() {
         let resumed = desk.run(&format!("{preset}-resumed"));
         let train = |run: &Path| {
             let mut command = desk.train(run.to_str().unwrap(), preset, &sets);
-            if row["reward"] == "transport" {
-                command.args(["--set", "reward.experts=2"]);
+            let of_the_reward: &[&str] = match row["reward"].as_str().unwrap() {
+                "transport" => &["reward.experts=2"],
+                "transformer" => &TRANSFORMER,
+                _ => &[],
+            };
+            for set in of_the_reward {
+                command.args(["--set", set]);
             }
             finish(&mut command).with(0);
         };
@@ -104,6 +120,11 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
             "otr",
             "reward.experts=7",
             "expected 1 to 6, the episodes of the dataset",
+        ),
+        (
+            "pt",
+            "reward.width=9",
+            "at least 2 and a multiple of reward.heads",
         ),
         (
             "oprl-atac",

@@ -15,7 +15,7 @@
 //! | ties in p (1 - p) | a seeded draw among the largest | order of an unstable sort | not stated |
 //! | segments | any 50 steps inside an episode | chunks of 50, across episode ends | length not stated |
 //! | equal returns | y = 0.5 | arbitrary order | y = 0.5 |
-//! | network, epochs, rate, inputs | config fields chosen by the study in docs/algorithms.md | 512-256-128-64-32, 5 epochs, 5e-5, state | not stated |
+//! | network, epochs, rate, inputs | config fields chosen by the study in docs/rewards.md | 512-256-128-64-32, 5 epochs, 5e-5, state | not stated |
 //! | reward | mean of the members, mapped to [0, 1] | mean of the members | not stated |
 
 mod config;
