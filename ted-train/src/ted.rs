@@ -160,8 +160,7 @@ impl DiscountConfig {
 
     /// One discount factor for each transition by a lookup, or gamma where there is none: what [`Self::apply`] gives for a
     /// constant discount and for TED.
-    #[must_use]
-    pub fn discounts(
+    fn discounts(
         &self,
         lookup: Option<&TedDiscount>,
         dataset: &Dataset,

@@ -1,49 +1,55 @@
-//! Whether a burn backend computes what it should here: one small matrix product.
+//! Whether an engine computes what it should here: one small layer, on the instructions that this processor has.
 
 use burn::tensor::{Tensor, TensorData};
 use rand::RngExt;
 
-use crate::nn::Backend;
+use crate::nn::{Activation, Backend, ExportedLayer, ExportedMlp, Mlp};
 use crate::rng::Seed;
-use crate::tolerance::MATMUL;
+use crate::tolerance::LAYER;
 
 const SIZE: usize = 64;
 
-/// The largest error of a matrix product against double precision, and whether it is as small as it should be.
+/// The largest error of a layer against double precision, and whether it is as small as it should be.
 pub(super) fn check(backend: Backend) -> Result<String, String> {
     backend.usable().map_err(|error| error.to_string())?;
     let mut rng = Seed::root(0).child("doctor").rng();
-    let mut draw = || -> Vec<f32> {
-        (0..SIZE * SIZE)
-            .map(|_| rng.random_range(-1.0..1.0))
-            .collect()
+    let mut draw =
+        |count: usize| -> Vec<f32> { (0..count).map(|_| rng.random_range(-1.0..1.0)).collect() };
+    let (x, layer) = (
+        draw(SIZE * SIZE),
+        ExportedLayer {
+            weight: draw(SIZE * SIZE),
+            bias: draw(SIZE),
+        },
+    );
+    let exact = |row: usize, output: usize| -> f64 {
+        let (x, weight) = (&x[row * SIZE..], &layer.weight[output * SIZE..]);
+        let products = x.iter().zip(weight).take(SIZE);
+        let sum: f64 = products.map(|(&x, &w)| f64::from(x) * f64::from(w)).sum();
+        sum + f64::from(layer.bias[output])
     };
-    let (left, right) = (draw(), draw());
-    let device = backend.device();
-    let tensor = |values: &[f32]| -> Tensor<2> {
-        Tensor::from_data(TensorData::new(values.to_vec(), [SIZE, SIZE]), &device)
+    let network = ExportedMlp {
+        layers: vec![layer.clone()],
+        output: Activation::Linear,
     };
-    let product: Vec<f32> = tensor(&left)
-        .matmul(tensor(&right))
+    let input = TensorData::new(x.clone(), [1, SIZE, SIZE]);
+    let input = Tensor::from_data(input, &backend.device());
+    let output: Vec<f32> = Mlp::from_exported(&network, backend)
+        .forward(input)
         .into_data()
         .try_to_vec()
-        .map_err(|error| format!("the product of two matrices cannot be read: {error:?}"))?;
-    let exact = |row: usize, column: usize| -> f64 {
-        (0..SIZE)
-            .map(|i| f64::from(left[row * SIZE + i]) * f64::from(right[i * SIZE + column]))
-            .sum()
-    };
-    let error = product
+        .map_err(|error| format!("the output of a layer cannot be read: {error:?}"))?;
+    let error = output
         .iter()
         .enumerate()
         .map(|(at, &value)| (f64::from(value) - exact(at / SIZE, at % SIZE)).abs())
         .fold(0.0, f64::max);
-    if MATMUL.allowed.holds(error, 1) {
-        Ok(format!("works; largest error of a product {error:.1e}"))
+    if LAYER.allowed.holds(error, 1) {
+        Ok(format!("works; largest error of a layer {error:.1e}"))
     } else {
         Err(format!(
-            "a matrix product is wrong by {error:.1e}, and {} is allowed: do not train on this machine, and report its processor",
-            MATMUL.allowed
+            "a layer is wrong by {error:.1e}, and {} is allowed: do not train on this machine, and report its processor",
+            LAYER.allowed
         ))
     }
 }
@@ -53,8 +59,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_backends_multiply_as_they_should() {
-        for backend in [Backend::Flex, Backend::Ndarray] {
+    fn every_engine_computes_a_layer_as_it_should() {
+        for backend in [Backend::Fused, Backend::Flex, Backend::Ndarray] {
             let found = check(backend);
             assert!(found.is_ok(), "{backend:?}: {found:?}");
         }

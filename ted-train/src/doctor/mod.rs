@@ -59,6 +59,7 @@ pub fn diagnose(datasets_root: &Path) -> Diagnosis {
         Check::new("memory", machine::memory()),
         Check::new("datasets", machine::writable(datasets_root)),
         Check::new("free disk", machine::free_disk(datasets_root)),
+        Check::new("fused engine", backends::check(Backend::Fused)),
         Check::new("burn flex", backends::check(Backend::Flex)),
         Check::new("burn ndarray", backends::check(Backend::Ndarray)),
     ];
