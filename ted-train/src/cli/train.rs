@@ -55,7 +55,7 @@ pub(super) struct TrainArgs {
     /// Tasks that were collected: another way to name their datasets
     #[arg(long, value_delimiter = ',', value_name = "TASK")]
     task: Vec<String>,
-    /// The compositions of reward source, discount and algorithm; that of --config, or oprl-i+ted, if not given
+    /// The compositions of reward source, filter, discount and algorithm; that of --config, or oprl-i+ted, if not given
     #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true)]
     preset: Vec<PresetArg>,
     /// Root of all randomness; that of --config, or 0, if not given
@@ -184,6 +184,16 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
         for preset in &presets {
             configs.push(overrides.resolve(*preset, seed).map_err(end)?);
         }
+    }
+    let deaf = configs.iter().find(|config| !config.reward.asks());
+    if let (Some(_), Some(config)) = (&args.preferences, deaf) {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "--preferences are answers, and the preset {} asks nothing: leave them out, or choose one of oprl* or pt*",
+                config.preset.name()
+            ),
+        ));
     }
     let alone = names.len() * configs.len() == 1;
     let mut tasks = Vec::new();

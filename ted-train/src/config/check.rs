@@ -54,6 +54,24 @@ impl Config {
                 return refuse("filter", reason);
             }
         }
+        let predicted = matches!(self.filter, FilterConfig::TopPredicted { .. });
+        if !learns_values && !predicted && !matches!(self.reward, RewardConfig::None {}) {
+            let reason = format!(
+                "{algorithm} looks at no reward, and no filter ranks by it, so nothing would come of it: set reward.source = \"none\""
+            );
+            return refuse("reward", reason);
+        }
+        if let FilterConfig::TopPredicted { k: drawn } = self.filter
+            && let DiscountConfig::Ted { k, .. } | DiscountConfig::RewardPenalty { k, .. } =
+                self.discount
+            && drawn <= k
+        {
+            let reason = format!(
+                "it spares the top {k} % of episodes, and the filter draws from the top {drawn} % only, so nothing would come of it: \
+                 set discount.rule = \"constant\", or draw from more"
+            );
+            return refuse("discount", reason);
+        }
         if !learns_values && !matches!(self.discount, DiscountConfig::Constant { .. }) {
             let reason = format!(
                 "{algorithm} looks at no discount, so nothing would come of it: set discount.rule = \"constant\""

@@ -19,7 +19,7 @@ use crate::ted::DiscountConfig;
 
 use super::{Config, Schedule};
 
-/// A named composition of reward source, discount and offline algorithm; [`TABLE`] says what each is for.
+/// A named composition of reward source, filter, discount and offline algorithm; [`TABLE`] says what each is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "&'static str", try_from = "String")]
 #[expect(missing_docs, reason = "the table says it once")]
@@ -152,7 +152,7 @@ pub const TABLE: [Row; 22] = [
     row(
         Preset::Oprl,
         "oprl",
-        "OPRL as it was published: its ensemble, AWR",
+        "OPRL-I's ensemble with the learner that OPRL was published with, AWR",
         "Shin et al. 2023",
     ),
     row(

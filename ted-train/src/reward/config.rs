@@ -27,3 +27,11 @@ pub enum RewardConfig {
     /// What it costs to carry an episode to those of the highest true returns (OTR).
     Transport(TransportConfig),
 }
+
+impl RewardConfig {
+    /// Whether somebody has to answer questions.
+    #[must_use]
+    pub fn asks(&self) -> bool {
+        matches!(self, Self::Oprl(_) | Self::Transformer(_))
+    }
+}

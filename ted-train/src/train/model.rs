@@ -52,14 +52,23 @@ pub(super) fn learned(
     root: Seed,
     audience: Audience,
 ) -> Result<(RewardModel, Facts), TrainError> {
+    let mut log =
+        PreferenceLog::open(folder.file(PREFERENCES), dataset).map_err(LearnError::from)?;
     if folder.file(STATE).exists() {
-        match folder.read_state(STATE) {
-            Ok(state) => return Ok(state),
+        match folder.read_state::<(RewardModel, Facts)>(STATE) {
+            Ok((model, facts)) => {
+                let answers = log.digest().map_err(LearnError::from)?;
+                if facts.preferences_digest != Some(answers) {
+                    let difference = format!(
+                        "its reward was learned from other answers than {PREFERENCES} has now"
+                    );
+                    return Err(folder.other(difference).into());
+                }
+                return Ok((model, facts));
+            }
             Err(error) => audience.note(&format!("learning the reward again: {error}")),
         }
     }
-    let mut log =
-        PreferenceLog::open(folder.file(PREFERENCES), dataset).map_err(LearnError::from)?;
     if let Some(recovered) = log.recovered() {
         audience.note(&format!(
             "the preference log had a torn last line; {} answers are kept",
@@ -132,16 +141,8 @@ impl Phase<'_> {
         log: &mut PreferenceLog,
     ) -> Result<Learned, TrainError> {
         let folder = self.folder;
-        let saved: Option<Checkpoint> = match folder.file(TRAINING).exists() {
-            false => None,
-            true => folder
-                .read_state(TRAINING)
-                .map_err(|error| {
-                    let again = format!("learning the reward from its beginning: {error}");
-                    self.audience.note(&again);
-                })
-                .ok(),
-        };
+        let answers = log.digest().map_err(LearnError::from)?;
+        let saved = self.begun(&answers);
         let learned = transformer::learn(
             config,
             self.dataset,
@@ -150,7 +151,7 @@ impl Phase<'_> {
             self.seed,
             self.config.backend,
             saved.as_ref(),
-            &mut |checkpoint| folder.write_state(TRAINING, checkpoint),
+            &mut |answers, checkpoint| folder.write_state(TRAINING, &(answers, checkpoint)),
             self.audience,
         )?;
         let transformer = &learned.transformer;
@@ -159,5 +160,20 @@ impl Phase<'_> {
                 .map_err(transformer::LearnError::from)?;
         let raw = transformer_labels(self.dataset, transformer, self.audience)?;
         Ok((RewardModel::Labels(raw), vec![learned.fit], held_out))
+    }
+
+    /// A training that was stopped, if it was on these answers.
+    fn begun(&self, answers: &str) -> Option<Checkpoint> {
+        if !self.folder.file(TRAINING).exists() {
+            return None;
+        }
+        let why = match self.folder.read_state::<(String, Checkpoint)>(TRAINING) {
+            Ok((learned_from, saved)) if learned_from == answers => return Some(saved),
+            Ok(_) => "what was learned so far is of other answers".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        let again = format!("learning the reward from its beginning: {why}");
+        self.audience.note(&again);
+        None
     }
 }

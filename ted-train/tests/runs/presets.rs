@@ -121,6 +121,17 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
             "reward.experts=7",
             "expected 1 to 6, the episodes of the dataset",
         ),
+        ("bc", "reward={source=\"true\"}", "bc looks at no reward"),
+        (
+            "pt+truncate",
+            "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=0.7}",
+            "the filter draws from the top 70 % only",
+        ),
+        (
+            "oprl",
+            "algorithm.critic_steps=60",
+            "less than algorithm.steps",
+        ),
         (
             "pt",
             "reward.width=9",
@@ -153,5 +164,34 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
         let told = finish(command.args(before).args(["--set", set])).telling(reason);
         assert!([Some(2), Some(3)].contains(&told.code), "{told:?}");
         assert!(!desk.run("run").exists(), "nothing is begun: {set}");
+    }
+}
+
+#[test]
+fn answers_are_neither_passed_over_nor_changed_behind_a_learned_reward() {
+    let desk = Desk::with_dataset();
+    for preset in ["oprl-i", "pt"] {
+        let train = || {
+            let mut command = desk.train(preset, preset, &["algorithm.steps=20"]);
+            let sets: &[&str] = if preset == "pt" { &TRANSFORMER } else { &[] };
+            for set in sets {
+                command.args(["--set", set]);
+            }
+            command
+        };
+        finish(&mut train()).with(0);
+        let answers = desk.run(preset).join("preferences.jsonl");
+        let given = fs::read_to_string(&answers).unwrap();
+        let (first, _) = given.split_at(given.find('\n').unwrap() + 1);
+        fs::write(&answers, first).unwrap();
+        let refused = finish(&mut train()).telling("learned from other answers");
+        assert_ne!(refused.code, Some(0));
+        fs::write(&answers, &given).unwrap();
+        finish(&mut train()).with(0);
+
+        let mut deaf = desk.train("deaf", "bc", &[]);
+        finish(deaf.arg("--preferences").arg(&answers))
+            .with(2)
+            .telling("the preset bc asks nothing");
     }
 }

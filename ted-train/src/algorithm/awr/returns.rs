@@ -41,7 +41,9 @@ pub(super) fn advantage_weights(
     let std = (squares.sum::<f64>() / count).sqrt();
     let weight = |a: &f64| {
         let normalised = (a - mean) / (std + STD_FLOOR);
-        (normalised / temperature).exp().min(clip) as f32
+        let weight = (normalised / temperature).exp();
+        // Not `min`, which would make the largest weight of what is not a number: a V that diverged has to be noticed.
+        (if weight > clip { clip } else { weight }) as f32
     };
     advantages.iter().map(weight).collect()
 }

@@ -77,6 +77,15 @@ fn atac(config: &AtacConfig) -> Result<(), ConfigError> {
 
 fn awr(config: &AwrConfig) -> Result<(), ConfigError> {
     at_least_one("algorithm.critic_steps", config.critic_steps as f64)?;
+    at_least_one("algorithm.actor_steps", config.actor_steps as f64)?;
+    let (critic, steps) = (config.critic_steps, config.steps);
+    let range = "less than algorithm.steps: the policy learns nothing until then";
+    within(
+        "algorithm.critic_steps",
+        critic as f64,
+        critic < steps,
+        range,
+    )?;
     let share = |field, value| within(field, value, (0.0..=1.0).contains(&value), "in [0, 1]");
     positive("algorithm.critic_rate", config.critic_rate)?;
     positive("algorithm.actor_rate", config.actor_rate)?;

@@ -57,7 +57,7 @@ pub enum LearnError {
 }
 
 /// Learns from exactly `queries` answers, each appended to `log` before it is used. Goes on from `saved`, the state that was
-/// last given to `save`, with the bits of a training that was never stopped.
+/// last given to `save` beside the digest of the answers, with the bits of a training that was never stopped.
 ///
 /// # Errors
 /// When the dataset has no segment that long, the teacher, the log or `save` fails, the saved state does not fit, a loss is
@@ -74,11 +74,12 @@ pub fn learn(
     seed: Seed,
     backend: Backend,
     saved: Option<&Checkpoint>,
-    save: &mut dyn FnMut(&Checkpoint) -> Result<(), WriteError>,
+    save: &mut dyn FnMut(&str, &Checkpoint) -> Result<(), WriteError>,
     audience: Audience,
 ) -> Result<Learned, LearnError> {
     let sampler = SegmentSampler::new(dataset, config.segment)?;
     let pairs = ask_random_pairs(config.queries, dataset, &sampler, teacher, log, seed)?;
+    let answers = log.digest()?;
     let statistics = dataset.observation_statistics();
     let actions = dataset.action_dim();
     let transformer = RewardTransformer::new(config, &statistics, actions, seed, backend);
@@ -98,7 +99,7 @@ pub fn learn(
         progress.advance(1);
         let stop = interrupt::requested();
         if stop || training.step.is_multiple_of(SAVE_EVERY) {
-            save(&training.checkpoint())?;
+            save(&answers, &training.checkpoint())?;
             progress.message(&format!("loss {loss:.3}"));
         }
         if stop {

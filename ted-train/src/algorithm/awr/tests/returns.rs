@@ -44,6 +44,13 @@ fn weights_are_exponentials_of_normalised_advantages_up_to_the_clip() {
 }
 
 #[test]
+fn a_value_that_diverged_is_no_large_weight() {
+    let (all, _) = kept();
+    let weights = advantage_weights(&[1.0, f64::NAN, 1.0, 3.0], &all, 1.0, 20.0);
+    assert!(weights.iter().all(|weight| weight.is_nan()), "{weights:?}");
+}
+
+#[test]
 fn advantages_are_normalised_over_what_may_be_drawn() {
     let (_, first_episode) = kept();
     // The other two are as large as one likes.

@@ -24,7 +24,7 @@ fn run(
     backend: Backend,
 ) -> Learned {
     let (seed, audience) = (Seed::root(3), Audience::Nobody);
-    let save = &mut |_: &Checkpoint| Ok(());
+    let save = &mut |_: &str, _: &Checkpoint| Ok(());
     learn(
         config, dataset, teacher, log, seed, backend, None, save, audience,
     )
@@ -136,7 +136,7 @@ fn a_restored_training_goes_on_to_the_bit() {
             Seed::root(3),
             Backend::Flex,
             Some(&saved),
-            &mut |_| Ok(()),
+            &mut |_, _| Ok(()),
             Audience::Nobody,
         )
         .unwrap();
