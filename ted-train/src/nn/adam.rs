@@ -65,7 +65,7 @@ impl AdamState {
     pub(crate) fn visit<E>(
         &mut self,
         name: &str,
-        visit: &mut impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
+        visit: &mut (impl FnMut(String, &mut Tensor<3>) -> Result<(), E> + ?Sized),
     ) -> Result<(), E> {
         self.first.visit(&format!("{name}/first"), visit)?;
         self.second.visit(&format!("{name}/second"), visit)

@@ -33,7 +33,7 @@ impl Velocity {
     pub(crate) fn visit<E>(
         &mut self,
         name: &str,
-        visit: &mut impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
+        visit: &mut (impl FnMut(String, &mut Tensor<3>) -> Result<(), E> + ?Sized),
     ) -> Result<(), E> {
         self.0.visit(name, visit)
     }

@@ -47,7 +47,7 @@ impl Parameters {
     pub(crate) fn visit<E>(
         &mut self,
         name: &str,
-        visit: &mut impl FnMut(String, &mut Tensor<3>) -> Result<(), E>,
+        visit: &mut (impl FnMut(String, &mut Tensor<3>) -> Result<(), E> + ?Sized),
     ) -> Result<(), E> {
         let mut layers = self.layers();
         for (i, layer) in layers.iter_mut().enumerate() {

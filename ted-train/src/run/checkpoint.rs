@@ -49,7 +49,49 @@ pub enum ForeignCheckpoint {
     },
 }
 
+/// Looks at the tensors of a learner, one after the other, and may replace each.
+pub(crate) type Visit<'v> =
+    &'v mut dyn FnMut(String, &mut Tensor<3>) -> Result<(), ForeignCheckpoint>;
+
 impl Checkpoint {
+    /// What lane `lane` of `lanes` has after `step` updates; `each` shows every tensor, always in the same order.
+    pub(crate) fn of_lane(
+        config_digest: [u8; 32],
+        step: u64,
+        [lane, lanes]: [usize; 2],
+        each: impl FnOnce(Visit<'_>) -> Result<(), ForeignCheckpoint>,
+    ) -> Self {
+        let mut checkpoint = Self {
+            config_digest,
+            step,
+            tensors: Vec::new(),
+        };
+        each(&mut |name, tensor| {
+            checkpoint.push(name, tensor, lane, lanes);
+            Ok(())
+        })
+        .unwrap_or_else(|error| unreachable!("pushing cannot fail: {error}"));
+        checkpoint
+    }
+
+    /// Puts a checkpoint of each lane into the tensors that `each` shows, and says after which update they were saved.
+    ///
+    /// # Errors
+    /// When they were saved after different updates, or one lacks a tensor or has another shape.
+    pub(crate) fn restore_lanes(
+        saved: &[&Self],
+        lanes: usize,
+        device: &Device,
+        each: impl FnOnce(Visit<'_>) -> Result<(), ForeignCheckpoint>,
+    ) -> Result<u64, ForeignCheckpoint> {
+        let step = Self::common_step(saved, lanes)?;
+        each(&mut |name, tensor| {
+            *tensor = Self::fetch(saved, &name, tensor, device)?;
+            Ok(())
+        })?;
+        Ok(step)
+    }
+
     /// Adds what belongs to lane `lane` of `lanes` in a tensor whose first axis goes lane by lane.
     pub(crate) fn push<const D: usize>(
         &mut self,
@@ -98,7 +140,7 @@ impl Checkpoint {
     }
 
     /// The update after which all lanes of a learner go on.
-    pub(crate) fn common_step(lanes: &[&Self], learner: usize) -> Result<u64, ForeignCheckpoint> {
+    fn common_step(lanes: &[&Self], learner: usize) -> Result<u64, ForeignCheckpoint> {
         match lanes {
             [first, rest @ ..]
                 if lanes.len() == learner && rest.iter().all(|l| l.step == first.step) =>

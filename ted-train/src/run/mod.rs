@@ -21,6 +21,7 @@ mod metrics;
 mod saver;
 mod sealed;
 
+pub(crate) use checkpoint::Visit;
 pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
 pub use events::EventWriter;
 pub use folder::{DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder};
