@@ -1,23 +1,28 @@
-//! Evaluation: the artefact, flown by the controller in Meta-World. There is no second way to act.
+//! Evaluation: the policy, flown in Meta-World. What a controller can fly is flown by the controller from its artefact;
+//! there is no second way for it to act. A sequence policy acts from this machine, behind the same checks.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
 
 use firmware_sim::bridge::Engine;
 use firmware_sim::bridge::environment::{self, SetupError};
-use firmware_sim::controller::Numeric;
+use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
 use firmware_sim::plant::PlantError;
 use firmware_sim::plants::metaworld::MetaWorldPlant;
 use firmware_sim::progress::Audience;
+use firmware_sim::remote::RemoteError;
 use firmware_sim::rollout::{
-    EpisodeReport, FlyError, Summary, abreast, episode_seeds, fly, normalised_score,
+    EpisodeReport, FlyError, Pilot, Summary, abreast, episode_seeds, fly_with, normalised_score,
 };
 use firmware_sim::tasks::{self, TaskError};
 use serde::{Deserialize, Serialize};
-use ted_policy::{Artifact, ArtifactBytes, ArtifactError, LoadError};
+use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ContractFault, LoadError};
 
+use crate::algorithm::oppo::{Oppo, SequencePilot};
+use crate::dataset::Dataset;
+use crate::export::ContractText;
 use crate::run::{EVALUATION, RunFolder};
 
 /// How a policy flew.
@@ -94,6 +99,9 @@ pub enum EvaluateError {
     /// The artefact cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// The dataset of a sequence policy promises nothing that could be checked.
+    #[error("the dataset makes no valid contract: {0}")]
+    Contract(ContractFault),
     /// The artefact is broken.
     #[error("the artefact is not valid: {0}")]
     Artifact(ArtifactError),
@@ -128,12 +136,63 @@ pub struct FlightPlan {
     pub engine: Engine,
 }
 
-/// Flies the episodes of a plan.
+/// What flies.
+#[derive(Clone, Copy)]
+pub enum Flyer<'a> {
+    /// The controller, with this artefact and in these numbers.
+    Artefact(&'a Path, Numeric),
+    /// A sequence policy that was learned from this dataset.
+    Sequence(&'a Oppo, &'a Dataset),
+}
+
+/// Flies the episodes of a plan, on the task that the policy was learned for unless another one is named.
 ///
 /// # Errors
 /// When the artefact is broken, there is no simulator, or a flight cannot be finished.
 pub fn evaluate(
-    artefact: &Path,
+    flyer: Flyer<'_>,
+    task: Option<&str>,
+    plan: &FlightPlan,
+    audience: Audience,
+) -> Result<Evaluation, EvaluateError> {
+    match flyer {
+        Flyer::Artefact(path, numeric) => {
+            let bytes = ArtifactBytes::read(path)?;
+            let artifact = Artifact::parse(&bytes).map_err(EvaluateError::Artifact)?;
+            let (contract, provenance) = (artifact.contract(), artifact.provenance());
+            let origin = Origin {
+                task: contract.task,
+                return_mean: provenance.dataset_return_mean,
+                return_max: provenance.dataset_return_max,
+            };
+            let controller = Controller::load(&artifact, numeric).map_err(FlyError::Load)?;
+            let pilot = || Ok(controller.clone());
+            fly_all(pilot, &origin, numeric, task, plan, audience)
+        }
+        Flyer::Sequence(oppo, dataset) => {
+            let text = ContractText::new(dataset);
+            let contract = text.contract().map_err(EvaluateError::Contract)?;
+            let origin = Origin {
+                task: contract.task,
+                return_mean: dataset.mean_return_true(),
+                return_max: dataset.max_return_true(),
+            };
+            let pilot = || Ok(SequencePilot::new(oppo, &contract));
+            fly_all(pilot, &origin, Numeric::F32, task, plan, audience)
+        }
+    }
+}
+
+/// Where a policy comes from, and what its score is measured by.
+struct Origin<'a> {
+    task: &'a str,
+    return_mean: f64,
+    return_max: f64,
+}
+
+fn fly_all<Q: Pilot>(
+    make_pilot: impl Fn() -> Result<Q, RemoteError> + Sync,
+    origin: &Origin<'_>,
     numeric: Numeric,
     task: Option<&str>,
     plan: &FlightPlan,
@@ -146,16 +205,12 @@ pub fn evaluate(
         ..
     } = *plan;
     let workers = NonZeroUsize::new(plan.workers).unwrap_or(NonZeroUsize::MIN);
-    let bytes = ArtifactBytes::read(artefact)?;
-    let artifact = Artifact::parse(&bytes).map_err(EvaluateError::Artifact)?;
-    let trained_for = artifact.contract().task;
-    let task = tasks::single(task.unwrap_or(trained_for))?;
+    let task = tasks::single(task.unwrap_or(origin.task))?;
     let environment = environment::ensure(audience)?.with_engine(engine);
     let progress = audience.start(&format!("fly {task}"), u64::from(episodes), "episodes");
     let plants = abreast(episodes as usize, workers);
-    let flight = fly(
-        &artifact,
-        numeric,
+    let flight = fly_with(
+        make_pilot,
         || MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link),
         &episode_seeds(seed, episodes as usize),
         workers,
@@ -164,7 +219,6 @@ pub fn evaluate(
     )?;
     progress.finish();
     let summary = Summary::of(&flight.episodes);
-    let provenance = artifact.provenance();
     Ok(Evaluation {
         task: task.to_owned(),
         numeric,
@@ -174,8 +228,8 @@ pub fn evaluate(
         return_mean: summary.return_mean,
         return_sd: summary.return_sd,
         // The best return of one task's dataset measures no other task.
-        score: normalised_score(summary.return_mean, provenance.dataset_return_max)
-            .filter(|_| task == trained_for),
+        score: normalised_score(summary.return_mean, origin.return_max)
+            .filter(|_| task == origin.task),
         success: summary.success_rate,
         faulted: summary.faulted,
         faults: flight
@@ -184,8 +238,8 @@ pub fn evaluate(
             .enumerate()
             .filter_map(|(episode, report)| EpisodeFault::of(episode, report))
             .collect(),
-        dataset_mean: provenance.dataset_return_mean,
-        dataset_max: provenance.dataset_return_max,
+        dataset_mean: origin.return_mean,
+        dataset_max: origin.return_max,
     })
 }
 
@@ -195,17 +249,18 @@ pub fn evaluate(
 /// When the policy cannot be flown, or the disk is full or fails.
 pub fn evaluate_once(
     folder: &RunFolder,
+    flyer: Flyer<'_>,
     plan: &FlightPlan,
     audience: Audience,
 ) -> Result<Evaluation, EvaluateError> {
-    // One that cannot be read is flown again. What it flew is the artefact: `RunFolder::write_artefact`.
+    // One that cannot be read is flown again. What it flew is the artefact (`RunFolder::write_artefact`), or else what is
+    // learned at the end of the run's configuration.
     if let Ok(held) = folder.read_json::<Evaluation>(EVALUATION)
         && (held.seed, held.returns.len()) == (plan.seed, plan.episodes as usize)
     {
         return Ok(held);
     }
-    let artefact = folder.artefact_path();
-    let evaluation = evaluate(&artefact, Numeric::F32, None, plan, audience)?;
+    let evaluation = evaluate(flyer, None, plan, audience)?;
     folder.write_json(EVALUATION, &evaluation)?;
     Ok(evaluation)
 }
@@ -249,7 +304,9 @@ mod tests {
                 workers: 1,
                 engine: Engine::Fast,
             };
-            evaluate_once(&folder, &plan, Audience::Nobody)
+            let artefact = folder.artefact_path();
+            let flyer = Flyer::Artefact(&artefact, Numeric::F32);
+            evaluate_once(&folder, flyer, &plan, Audience::Nobody)
         };
         assert_eq!(fly(2, 3).unwrap(), held);
         // There is no artefact: whoever wants to fly finds that out.

@@ -15,7 +15,6 @@ pub mod filter;
 pub mod fleet;
 pub mod inspect;
 pub mod nn;
-pub mod oppo;
 pub mod preferences;
 pub mod quantise;
 pub mod quickstart;

@@ -4,11 +4,9 @@ use ted_core::Policy;
 use ted_core::quantised::QuantisedPolicy;
 use ted_policy::{Artifact, ArtifactError};
 
-use super::{Numeric, Status};
+use super::{Guard, Numeric, Status};
 use crate::proven::Proven;
-use crate::safety::{
-    Action, ActionGuard, Deadline, Fault, ObservationFrame, ObservationGuard, Sent,
-};
+use crate::safety::{Action, Fault, ObservationFrame};
 use crate::workspace::Workspace;
 
 /// A controller without working memory of its own: a device lends it to whoever computes.
@@ -18,11 +16,7 @@ use crate::workspace::Workspace;
 #[derive(Clone, Debug)]
 pub struct BareController<'a> {
     policy: NumericPolicy<'a>,
-    observation_guard: ObservationGuard,
-    action_guard: ActionGuard,
-    deadline: Deadline,
-    latched: Option<Fault>,
-    tick: u32,
+    guard: Guard,
 }
 
 impl<'a> BareController<'a> {
@@ -33,14 +27,9 @@ impl<'a> BareController<'a> {
     // Not part of its caller, whose stack would hold everything twice.
     #[inline(never)]
     pub fn load(artifact: &Artifact<'a>, proven: Proven) -> Result<Self, ArtifactError> {
-        let terms = artifact.terms();
         Ok(Self {
             policy: NumericPolicy::load(artifact, proven.numeric())?,
-            observation_guard: ObservationGuard::new(terms),
-            action_guard: ActionGuard::new(terms),
-            deadline: Deadline::new(terms.control_period_us),
-            latched: None,
-            tick: 0,
+            guard: Guard::new(artifact.terms()),
         })
     }
 
@@ -53,75 +42,27 @@ impl<'a> BareController<'a> {
         frame: &ObservationFrame<'_>,
         workspace: &mut Workspace,
     ) -> (Action, Status) {
-        let missed_before = self.deadline.missed();
-        let on_time = self.deadline.tick(now_us);
-        let sent = match self.latched {
-            Some(fault) => Err(fault),
-            None => on_time.and_then(|()| self.fly(now_us, frame, workspace)),
-        };
-        let mut status = Status {
-            tick: self.tick,
-            fault: sent.as_ref().err().copied(),
-            clamped: false,
-            slew_limited: false,
-            deadline_missed: self.deadline.missed() != missed_before,
-            deadlines_missed: self.deadline.missed(),
-        };
-        self.tick = self.tick.saturating_add(1);
-        self.latched = status.fault;
-        match sent {
-            Ok(sent) => {
-                (status.clamped, status.slew_limited) = (sent.clamped, sent.slew_limited);
-                (sent.action, status)
-            }
-            Err(_) => (self.action_guard.send_safe(), status),
-        }
+        let policy = &self.policy;
+        self.guard.tick(now_us, frame, |obs_raw, action_env| {
+            policy.act(obs_raw, workspace, action_env)
+        })
     }
 
     /// What goes out when no observation came within `limit_us`: the safe action, with [`Fault::LinkSilent`] latched unless
     /// another fault was before.
     pub fn tick_without_observation(&mut self, limit_us: u32) -> (Action, Status) {
-        let fault = *self.latched.get_or_insert(Fault::LinkSilent { limit_us });
-        let status = Status {
-            tick: self.tick,
-            fault: Some(fault),
-            clamped: false,
-            slew_limited: false,
-            deadline_missed: false,
-            deadlines_missed: self.deadline.missed(),
-        };
-        self.tick = self.tick.saturating_add(1);
-        (self.action_guard.send_safe(), status)
+        self.guard.tick_without_observation(limit_us)
     }
 
     /// Starts a new episode: the plant is at rest, and everything of the last episode is forgotten.
     pub fn reset(&mut self) {
-        self.rearm();
-        self.action_guard.reset();
-        self.deadline.reset();
-        self.tick = 0;
+        self.guard.reset();
     }
 
     /// Gives the controls back to the policy in mid-episode: forgets the latched fault and accepts any sequence number
     /// and any pause once, but still knows what was last sent, so that a held gripper stays held.
     pub fn rearm(&mut self) {
-        self.latched = None;
-        self.observation_guard.rearm();
-        self.deadline.rearm();
-    }
-
-    fn fly(
-        &mut self,
-        now_us: u64,
-        frame: &ObservationFrame<'_>,
-        workspace: &mut Workspace,
-    ) -> Result<Sent, Fault> {
-        self.observation_guard.check(now_us, frame)?;
-        let mut action = Action::new();
-        let room = action.resize(self.policy.action_dim(), 0.0);
-        room.map_err(|_| Fault::PolicyRefused)?;
-        self.policy.act(frame.values, workspace, &mut action)?;
-        self.action_guard.send(&action)
+        self.guard.rearm();
     }
 }
 
@@ -141,13 +82,6 @@ impl<'a> NumericPolicy<'a> {
                 Some(policy) => Ok(Self::Integer(policy)),
                 None => Err(ArtifactError::NoIntegers),
             },
-        }
-    }
-
-    fn action_dim(&self) -> usize {
-        match self {
-            Self::F32(policy) => policy.action_dim(),
-            Self::Integer(policy) => policy.action_dim(),
         }
     }
 

@@ -4,8 +4,10 @@
 //! the safe action goes out until someone decides otherwise.
 
 mod bare;
+mod guard;
 
 pub use bare::BareController;
+pub use guard::Guard;
 
 use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactError};

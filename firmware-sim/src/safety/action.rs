@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use ted_core::MAX_ACTION;
-use ted_policy::{ActionChannel, SafeAction, Terms};
+use ted_policy::{ActionChannel, SafeAction};
 
 use super::Fault;
 
@@ -36,17 +36,23 @@ struct Limit {
 }
 
 impl ActionGuard {
-    /// A guard for this contract, with the plant at rest: zero, or the end of the range nearest to it, counts as the last
-    /// action sent.
+    /// A guard for a contract's channels, with the plant at rest: zero, or the end of the range nearest to it, counts as the
+    /// last action sent.
     #[must_use]
-    pub fn new(terms: &Terms<'_>) -> Self {
+    pub fn new<'c>(channels: impl Iterator<Item = ActionChannel<'c>>) -> Self {
         let (mut limits, mut last_sent) = (Vec::new(), Vec::new());
-        for limit in terms.action.iter().map(|channel| Limit::of(&channel)) {
-            // There is room: the contract has no more.
+        for limit in channels.map(|channel| Limit::of(&channel)) {
+            // There is room: a contract has no more.
             limits.push(limit).ok();
             last_sent.push(limit.rest()).ok();
         }
         Self { limits, last_sent }
+    }
+
+    /// Values in an action.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.limits.len()
     }
 
     /// The nearest action to the wanted one that may go out.

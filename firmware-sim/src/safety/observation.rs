@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use ted_core::MAX_OBSERVATION;
-use ted_policy::Terms;
+use ted_policy::ObservationChannel;
 
 use super::Fault;
 
@@ -26,17 +26,20 @@ pub struct ObservationGuard {
 }
 
 impl ObservationGuard {
-    /// A guard for this contract, before its first frame.
+    /// A guard for a contract's channels, before its first frame.
     #[must_use]
-    pub fn new(terms: &Terms<'_>) -> Self {
+    pub fn new<'c>(
+        channels: impl Iterator<Item = ObservationChannel<'c>>,
+        max_observation_age_us: u32,
+    ) -> Self {
         let mut ranges = Vec::new();
-        for channel in terms.observation.iter() {
-            // There is room: the contract has no more.
+        for channel in channels {
+            // There is room: a contract has no more.
             ranges.push((channel.low, channel.high)).ok();
         }
         Self {
             ranges,
-            max_age_us: u64::from(terms.max_observation_age_us),
+            max_age_us: u64::from(max_observation_age_us),
             last_sequence: None,
         }
     }

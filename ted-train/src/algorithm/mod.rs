@@ -1,4 +1,4 @@
-//! The choice of an offline algorithm, and what all of them have in common: from batches of labelled transitions to a policy.
+//! The choice of an offline algorithm: from a labelled dataset to a policy.
 
 pub mod atac;
 pub mod awr;
@@ -7,21 +7,25 @@ pub mod bc;
 #[cfg(test)]
 pub(crate) mod fixtures;
 pub mod iql;
+mod learner;
+pub mod oppo;
 mod replay;
+mod transitions;
 
 pub use batch::Batch;
+pub use learner::{Learner, Losses, Metrics, Policy};
 pub use replay::Replay;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
 use self::atac::{Atac, AtacConfig};
 use self::awr::{Awr, AwrConfig};
 use self::bc::{Bc, BcConfig};
 use self::iql::{Iql, IqlConfig};
-use crate::nn::{Backend, ExportedMlp};
+use self::oppo::{Oppo, OppoConfig};
+use self::transitions::OfTransitions;
+use crate::nn::Backend;
 use crate::rng::Seed;
-use crate::run::{Checkpoint, ForeignCheckpoint};
 
 /// Which offline algorithm learns the policy, with all of its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,42 +39,9 @@ pub enum AlgorithmConfig {
     Awr(AwrConfig),
     /// Behaviour cloning.
     Bc(BcConfig),
+    /// A policy for sequences, learned from answers without a reward.
+    Oppo(OppoConfig),
 }
-
-/// A learner of one policy for each of its lanes, which make every update together and share nothing.
-pub trait Learner: Send {
-    /// Updates made so far, the same number in every lane.
-    fn step(&self) -> u64;
-
-    /// Looks at whole datasets, one for each lane, where the next update needs more than its batch.
-    fn prepare(&mut self, replays: &[&Replay<'_>]) {
-        let _ = replays;
-    }
-
-    /// One update, on a batch of every lane, lane after lane.
-    fn update(&mut self, batch: &Batch) -> Box<dyn Losses>;
-
-    /// Everything that the next update of a lane depends on: the same whatever lanes are beside it.
-    fn checkpoint(&self, lane: usize, config_digest: [u8; 32]) -> Checkpoint;
-
-    /// Puts saved states in the place of this one: a checkpoint of each lane, all after the same update.
-    ///
-    /// # Errors
-    /// When they are not, or one lacks a tensor or has another shape; the learner must not be used then.
-    fn restore(&mut self, lanes: &[&Checkpoint]) -> Result<(), ForeignCheckpoint>;
-
-    /// The policy of each lane in the controller's layout: its mean action.
-    fn actors(&self) -> Vec<ExportedMlp>;
-}
-
-/// What an update saw, still on the device.
-pub trait Losses {
-    /// Fetches the numbers of each lane, by name. One that is not finite is null.
-    fn read(self: Box<Self>) -> Vec<Metrics>;
-}
-
-/// Numbers of an update by name; those called `…_loss` are what it minimised.
-pub type Metrics = Map<String, Value>;
 
 impl AlgorithmConfig {
     /// As the configuration calls it; also the name of its metrics and of its random streams.
@@ -81,6 +52,7 @@ impl AlgorithmConfig {
             Self::Atac(_) => "atac",
             Self::Awr(_) => "awr",
             Self::Bc(_) => "bc",
+            Self::Oppo(_) => "oppo",
         }
     }
 
@@ -92,6 +64,7 @@ impl AlgorithmConfig {
             Self::Atac(config) => config.steps,
             Self::Awr(config) => config.steps,
             Self::Bc(config) => config.steps,
+            Self::Oppo(config) => config.steps,
         }
     }
 
@@ -102,10 +75,11 @@ impl AlgorithmConfig {
             Self::Atac(config) => config.steps = steps,
             Self::Awr(config) => config.steps = steps,
             Self::Bc(config) => config.steps = steps,
+            Self::Oppo(config) => config.steps = steps,
         }
     }
 
-    /// Transitions in a batch.
+    /// Transitions in a batch, or clips of the dataset.
     #[must_use]
     pub fn batch(&self) -> usize {
         match self {
@@ -113,91 +87,82 @@ impl AlgorithmConfig {
             Self::Atac(config) => config.batch,
             Self::Awr(config) => config.batch,
             Self::Bc(config) => config.batch,
+            Self::Oppo(config) => config.batch,
         }
     }
 
-    /// A fresh learner with a lane for the run of each root seed.
+    /// Whether somebody has to answer questions for it.
+    #[must_use]
+    pub fn asks(&self) -> bool {
+        matches!(self, Self::Oppo(_))
+    }
+
+    /// Whether it looks at rewards and discounts.
+    #[must_use]
+    pub fn learns_values(&self) -> bool {
+        match self {
+            Self::Iql(_) | Self::Atac(_) | Self::Awr(_) => true,
+            Self::Bc(_) | Self::Oppo(_) => false,
+        }
+    }
+
+    /// Whether its policy is a network that a controller flies.
+    #[must_use]
+    pub fn makes_networks(&self) -> bool {
+        !matches!(self, Self::Oppo(_))
+    }
+
+    /// A fresh learner with a lane for each of these datasets, all of one shape, and root seeds.
+    ///
+    /// # Panics
+    /// When a dataset has no clip as long as OPPO looks at, which [`crate::train::check`] refuses.
     #[must_use]
     pub fn learner(
         &self,
-        observation: usize,
-        action: usize,
+        lanes: &[&Replay<'_>],
         roots: &[Seed],
         backend: Backend,
     ) -> Box<dyn Learner> {
-        let seeds: Vec<_> = roots.iter().map(|root| root.child(self.name())).collect();
+        let dims = |lane: &&Replay<'_>| {
+            (
+                lane.dataset().observation_dim(),
+                lane.dataset().action_dim(),
+            )
+        };
+        let (observation, action) = lanes.first().map_or((0, 0), dims);
+        let of_roots = |name: &str| {
+            roots
+                .iter()
+                .map(|root| root.child(name))
+                .collect::<Vec<_>>()
+        };
+        let seeds = of_roots(self.name());
+        let (streams, batch) = (of_roots(&format!("{}/batch", self.name())), self.batch());
         match self {
             Self::Iql(config) => {
-                let config = config.clone();
-                Box::new(Iql::new(config, observation, action, &seeds, backend))
+                let learner = Iql::new(config.clone(), observation, action, &seeds, backend);
+                Box::new(OfTransitions::new(learner, streams, batch))
             }
             Self::Atac(config) => {
-                let config = config.clone();
-                Box::new(Atac::new(config, observation, action, &seeds, backend))
+                let learner = Atac::new(config.clone(), observation, action, &seeds, backend);
+                Box::new(OfTransitions::new(learner, streams, batch))
             }
             Self::Awr(config) => {
-                let config = config.clone();
-                Box::new(Awr::new(config, observation, action, &seeds, backend))
+                let learner = Awr::new(config.clone(), observation, action, &seeds, backend);
+                Box::new(OfTransitions::new(learner, streams, batch))
             }
             Self::Bc(config) => {
-                let config = config.clone();
-                Box::new(Bc::new(config, observation, action, &seeds, backend))
+                let learner = Bc::new(config.clone(), observation, action, &seeds, backend);
+                Box::new(OfTransitions::new(learner, streams, batch))
+            }
+            Self::Oppo(config) => {
+                let lanes = lanes.iter().zip(seeds);
+                let learner = |(lane, seed): (&&Replay<'_>, Seed)| {
+                    let oppo = Oppo::new(config, lane.dataset(), seed, backend);
+                    oppo.expect("the dataset was checked")
+                };
+                Box::new(lanes.map(learner).collect::<Vec<_>>())
             }
         }
-    }
-
-    /// Where the batches of a run are drawn from.
-    #[must_use]
-    pub fn stream(&self, root: Seed) -> Seed {
-        root.child(&format!("{}/batch", self.name()))
-    }
-}
-
-/// Makes a learner of a type that has all of a learner's methods.
-macro_rules! learner {
-    ($learner:ty, $losses:ty $(, $prepare:ident)?) => {
-        impl Learner for $learner {
-            fn step(&self) -> u64 {
-                self.step()
-            }
-
-            $(fn $prepare(&mut self, replays: &[&Replay<'_>]) {
-                self.$prepare(replays);
-            })?
-
-            fn update(&mut self, batch: &Batch) -> Box<dyn Losses> {
-                Box::new(self.update(batch))
-            }
-
-            fn checkpoint(&self, lane: usize, config_digest: [u8; 32]) -> Checkpoint {
-                self.checkpoint(lane, config_digest)
-            }
-
-            fn restore(&mut self, lanes: &[&Checkpoint]) -> Result<(), ForeignCheckpoint> {
-                self.restore(lanes)
-            }
-
-            fn actors(&self) -> Vec<ExportedMlp> {
-                self.actors()
-            }
-        }
-
-        impl Losses for $losses {
-            fn read(self: Box<Self>) -> Vec<Metrics> {
-                (*self).read().iter().map(metrics).collect()
-            }
-        }
-    };
-}
-
-learner!(Iql, self::iql::Losses);
-learner!(Atac, self::atac::Losses);
-learner!(Awr, self::awr::Losses, prepare);
-learner!(Bc, self::bc::Losses);
-
-fn metrics(update: &impl Serialize) -> Metrics {
-    match serde_json::to_value(update) {
-        Ok(Value::Object(metrics)) => metrics,
-        _ => unreachable!("metrics are plain data"),
     }
 }

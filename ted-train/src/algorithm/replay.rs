@@ -1,9 +1,11 @@
-//! Drawing batches: uniform with replacement over the kept transitions, straight from the dataset's arrays.
+//! What a learner learns from, and drawing batches of it: uniform with replacement over the kept transitions, straight from
+//! the dataset's arrays.
 
 use rand::RngExt;
 
 use crate::dataset::Dataset;
 use crate::filter::Kept;
+use crate::reward::oprl::LabelledPair;
 use crate::rng::Seed;
 
 use super::Batch;
@@ -11,7 +13,8 @@ use super::Batch;
 #[cfg(test)]
 mod tests;
 
-/// A dataset as the learner sees it: standardised observations, labelled rewards, a discount for each transition.
+/// What a lane learns from: standardised observations, labelled rewards, a discount for each transition, and answers where
+/// the policy is learned from them.
 pub struct Replay<'a> {
     dataset: &'a Dataset,
     shift: Vec<f32>,
@@ -19,6 +22,7 @@ pub struct Replay<'a> {
     rewards: Vec<f32>,
     discounts: Vec<f32>,
     kept: Kept,
+    answers: Vec<LabelledPair>,
 }
 
 /// Added to the standard deviation of a channel, so that a constant one becomes zero instead of noise.
@@ -44,6 +48,7 @@ impl<'a> Replay<'a> {
             rewards,
             discounts,
             kept: Kept::all(dataset),
+            answers: Vec::new(),
         }
     }
 
@@ -51,6 +56,12 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn keep(self, kept: Kept) -> Self {
         Self { kept, ..self }
+    }
+
+    /// Adds the answers that the policy itself is learned from.
+    #[must_use]
+    pub fn answered(self, answers: Vec<LabelledPair>) -> Self {
+        Self { answers, ..self }
     }
 
     /// Mean of each observation channel: subtracted first.
@@ -87,6 +98,12 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn kept(&self) -> &Kept {
         &self.kept
+    }
+
+    /// What was said about pairs of clips.
+    #[must_use]
+    pub fn answers(&self) -> &[LabelledPair] {
+        &self.answers
     }
 
     /// Standardised observations of these rows of the dataset, `[row, observation]`.

@@ -12,9 +12,10 @@ use firmware_sim::output::OutputArgs;
 use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::config::Config;
-use crate::evaluate::{EpisodeFault, EvaluateError, Evaluation, FlightPlan, evaluate};
+use crate::evaluate::{EpisodeFault, EvaluateError, Evaluation, FlightPlan, Flyer, evaluate};
 use crate::replay::{Replayed, replay};
 use crate::run::{EVALUATION, RunFolder};
+use crate::train::sequence_policy;
 
 use super::collect::workers;
 use super::failures::end;
@@ -58,8 +59,8 @@ pub(super) struct EvalArgs {
     /// the recorded ones, whether it would have stopped, and how many episodes it puts in the top k %. Needs no simulator
     #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers", "engine"])]
     replay: bool,
-    /// The dataset to replay, if it is no longer where the run found it
-    #[arg(long, requires = "replay")]
+    /// The dataset to replay, or that a sequence policy was learned from, if it is no longer where the run found it
+    #[arg(long)]
     dataset: Option<String>,
     #[command(flatten)]
     output: OutputArgs,
@@ -86,18 +87,33 @@ fn replay_logs(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
 
 fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
     let config = Config::read(&folder.config_path()).map_err(end)?;
-    let report = evaluate(
-        &artefact_of(folder)?,
-        args.numeric,
-        args.task.as_deref(),
-        &FlightPlan {
-            episodes: args.episodes,
-            seed: args.seed.unwrap_or(config.seed),
-            workers: workers(args.workers),
-            engine: args.engine,
-        },
-        args.output.audience(),
-    )
+    let audience = args.output.audience();
+    let plan = FlightPlan {
+        episodes: args.episodes,
+        seed: args.seed.unwrap_or(config.seed),
+        workers: workers(args.workers),
+        engine: args.engine,
+    };
+    let task = args.task.as_deref();
+    let report = if config.algorithm.makes_networks() {
+        let artefact = artefact_of(folder)?;
+        evaluate(
+            Flyer::Artefact(&artefact, args.numeric),
+            task,
+            &plan,
+            audience,
+        )
+    } else {
+        if args.numeric != Numeric::F32 {
+            return Err(Failure::new(
+                ExitCode::Usage,
+                "a sequence policy has no integer networks: leave --numeric out",
+            ));
+        }
+        let dataset = dataset_of(folder, args.dataset.as_deref())?;
+        let oppo = sequence_policy(folder, &dataset, audience).map_err(end)?;
+        evaluate(Flyer::Sequence(&oppo, &dataset), task, &plan, audience)
+    }
     .map_err(end)?;
     // A run that was never flown is from now on.
     let of_the_run =

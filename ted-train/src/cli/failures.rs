@@ -95,17 +95,15 @@ impl Ends for TrainError {
             | Self::Interrupted { .. } => ExitCode::Interrupted,
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
-            Self::Learn(LearnError::Preference(error))
-            | Self::Transformer(transformer::LearnError::Preference(error)) => error.exit_code(),
+            Self::Learn(LearnError::Preference(error)) => error.exit_code(),
             Self::Transformer(transformer::LearnError::Save(error)) => error.exit_code(),
             Self::Learn(LearnError::Segment(_))
-            | Self::Transformer(
-                transformer::LearnError::Segment(_) | transformer::LearnError::Foreign(_),
-            )
+            | Self::Transformer(transformer::LearnError::Foreign(_))
             | Self::Transport(_)
             | Self::Filter(_)
             | Self::Discount(_)
-            | Self::NotFinished { .. } => ExitCode::BadInput,
+            | Self::NotFinished { .. }
+            | Self::NotForControllers { .. } => ExitCode::BadInput,
             Self::Export(error) => error.exit_code(),
             Self::Backend(_)
             | Self::Learn(LearnError::Diverged { .. })
@@ -118,7 +116,7 @@ impl Ends for TrainError {
 impl Ends for EvaluateError {
     fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Load(_) | Self::Artifact(_) => ExitCode::BadInput,
+            Self::Load(_) | Self::Artifact(_) | Self::Contract(_) => ExitCode::BadInput,
             Self::Task(_) => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),

@@ -39,7 +39,7 @@ impl FleetReport {
             folder: lane.folder.clone(),
             preset: lane.config.preset.name(),
             seed: lane.config.seed,
-            artefact: end.as_ref().ok().map(|it| it.artefact.clone()),
+            artefact: end.as_ref().ok().and_then(|it| it.artefact.clone()),
             evaluation: end.as_ref().ok().and_then(|it| it.evaluation.clone()),
             failure: end.as_ref().err().map(|error| RunFailure {
                 message: error.to_string(),

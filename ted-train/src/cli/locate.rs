@@ -7,8 +7,10 @@ use firmware_sim::failure::Failure;
 use firmware_sim::tasks;
 
 use crate::collect::NAMESPACE;
+use crate::config::Config;
 use crate::dataset::{Dataset, DatasetError};
-use crate::run::{DatasetReference, RunFolder};
+use crate::run::{DATASET, DatasetReference, RunFolder};
+use crate::train::TrainError;
 
 use super::failures::end;
 
@@ -66,6 +68,13 @@ pub(super) fn artefact_of(folder: &RunFolder) -> Result<PathBuf, Failure> {
     if path.exists() {
         return Ok(path);
     }
+    let config = Config::read(&folder.config_path()).map_err(end)?;
+    if !config.algorithm.makes_networks() {
+        return Err(end(TrainError::NotForControllers {
+            folder: folder.path().to_path_buf(),
+            algorithm: config.algorithm.name(),
+        }));
+    }
     Err(Failure::new(
         ExitCode::BadInput,
         format_args!(
@@ -87,7 +96,7 @@ pub(super) fn existing_or_dataset(path: &Path) -> PathBuf {
 
 /// The dataset that a run was trained on: where the run found it, where Minari keeps it, or where a person says it is now.
 pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Dataset, Failure> {
-    let reference: DatasetReference = folder.read_json("dataset.json").map_err(end)?;
+    let reference: DatasetReference = folder.read_json(DATASET).map_err(end)?;
     let path = match named {
         Some(named) => dataset_path(named),
         None if reference.path.exists() => reference.path,

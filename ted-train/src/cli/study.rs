@@ -14,6 +14,7 @@ use crate::study::reward::{DESIGNS, StudyLog, design_config};
 
 use super::failures::end;
 use super::locate::{dataset_path, open_dataset};
+use super::presets::{self, PresetArg};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,6 +25,7 @@ const POLICIES_EXAMPLES: &str = "\
 Examples:
   ted study policies --set algorithm.steps=50000
   ted study policies --presets true --seeds 3 --set algorithm.steps=100000 --out runs/study/true-100k
+  ted study policies --presets zero,oprl-atac --set algorithm.steps=60000 --set oprl-atac:algorithm.warm_start=10000
   ted study policies --set algorithm.steps=50000 --table     what is finished so far";
 
 const STUDY_EXAMPLES: &str = "\
@@ -56,18 +58,19 @@ struct PoliciesArgs {
         default_value = "drawer-open-v3,box-close-v3"
     )]
     datasets: Vec<String>,
-    /// Compositions
+    /// Compositions; `list` prints those there are
     #[arg(
         long,
         value_enum,
         value_delimiter = ',',
-        default_value = "true,oprl-i,oprl-i+ted"
+        default_value = "true,oprl-i,oprl-i+ted",
+        hide_possible_values = true
     )]
-    presets: Vec<Preset>,
+    presets: Vec<PresetArg>,
     /// Seeds 0 to N - 1
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
-    /// A field to change in every run, key=value; may be given several times
+    /// A field to change in every run, key=value, or preset,preset:key=value in the runs of these; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Runs at a time; one for each core if not given
@@ -118,11 +121,16 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
 }
 
 fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
+    if args.presets.contains(&PresetArg::List) {
+        let all = presets::compositions();
+        return args.output.print(&all, || presets::text(&all));
+    }
+    let presets: Vec<Preset> = args.presets.iter().filter_map(|one| one.preset()).collect();
     let mut runs = Vec::new();
     // Seed by seed, so that an unfinished study has something of every row.
     for seed in 0..args.seeds {
         for dataset in &args.datasets {
-            runs.extend(args.presets.iter().map(|&preset| PolicyRun {
+            runs.extend(presets.iter().map(|&preset| PolicyRun {
                 dataset: dataset.clone(),
                 preset,
                 seed,

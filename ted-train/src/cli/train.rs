@@ -10,7 +10,7 @@ use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
 use crate::config::Overrides;
-use crate::fleet::{self, Crew, Datasets, Lane, Trained};
+use crate::fleet::{self, Crew, Datasets, Lane, Trained, introduce};
 use crate::run::RunFolder;
 use crate::train::{Watch, check};
 
@@ -74,7 +74,7 @@ pub(super) struct TrainArgs {
     /// cpu, if not given
     #[arg(long, value_enum)]
     device: Option<Device>,
-    /// One field over the preset and the file, key=value; may be given several times
+    /// One field over the preset and the file, key=value, or preset,preset:key=value for these presets; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Answer from this preference log instead of from true returns
@@ -105,9 +105,10 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         let trained = ends.swap_remove(0).map_err(end)?;
         return match &trained.evaluation {
             Some(evaluation) => args.output.print(evaluation, || text(evaluation)),
-            None => args.output.print(&Artefact::of(&trained), || {
-                trained.artefact.display().to_string()
-            }),
+            None => {
+                let left = Left::of(lane, &trained);
+                args.output.print(&left, || left.text())
+            }
         };
     }
     let ends = fleet::run(&lanes, &datasets, args.jobs, audience);
@@ -130,15 +131,21 @@ impl Device {
 
 /// What a run without an evaluation has to say.
 #[derive(Debug, serde::Serialize)]
-struct Artefact<'t> {
-    artefact: &'t Path,
+struct Left<'t> {
+    run: &'t Path,
+    artefact: Option<&'t Path>,
 }
 
-impl<'t> Artefact<'t> {
-    fn of(trained: &'t Trained) -> Self {
+impl<'t> Left<'t> {
+    fn of(lane: &'t Lane, trained: &'t Trained) -> Self {
         Self {
-            artefact: &trained.artefact,
+            run: &lane.folder,
+            artefact: trained.artefact.as_deref(),
         }
+    }
+
+    fn text(&self) -> String {
+        self.artefact.unwrap_or(self.run).display().to_string()
     }
 }
 
@@ -185,12 +192,12 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             configs.push(overrides.resolve(*preset, seed).map_err(end)?);
         }
     }
-    let deaf = configs.iter().find(|config| !config.reward.asks());
+    let deaf = configs.iter().find(|config| !config.asks());
     if let (Some(_), Some(config)) = (&args.preferences, deaf) {
         return Err(Failure::new(
             ExitCode::Usage,
             format_args!(
-                "--preferences are answers, and the preset {} asks nothing: leave them out, or choose one of oprl* or pt*",
+                "--preferences are answers, and the preset {} asks nothing: leave them out, or choose one of oprl*, pt* or oppo",
                 config.preset.name()
             ),
         ));
@@ -218,6 +225,7 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
                 config: config.clone(),
                 folder,
                 answers: args.preferences.clone(),
+                siblings: Vec::new(),
             });
         }
     }
@@ -225,7 +233,7 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     if !alone {
         distinct(&lanes)?;
     }
-    Ok(lanes)
+    Ok(introduce(lanes))
 }
 
 /// Refuses lanes that would share a folder, and folders that hold other runs.

@@ -38,12 +38,12 @@ impl Config {
         let refuse =
             |choice: &'static str, reason: String| Err(ConfigError::Composition { choice, reason });
         let algorithm = self.algorithm.name();
-        let learns_values = !matches!(self.algorithm, AlgorithmConfig::Bc(_));
+        let learns_values = self.algorithm.learns_values();
         if matches!(self.reward, RewardConfig::None {}) {
             if learns_values {
                 let reason = format!(
                     "{algorithm} needs a reward for each transition, and reward.source = \"none\" gives none: choose another \
-                     source, or the algorithm bc"
+                     source, or the algorithm bc or oppo"
                 );
                 return refuse("algorithm", reason);
             }
@@ -60,6 +60,13 @@ impl Config {
                 "{algorithm} looks at no reward, and no filter ranks by it, so nothing would come of it: set reward.source = \"none\""
             );
             return refuse("reward", reason);
+        }
+        if matches!(self.algorithm, AlgorithmConfig::Oppo(_))
+            && !matches!(self.filter, FilterConfig::All {})
+        {
+            let reason = "oppo looks at clips of all episodes, and the answers say which are better: set filter.keep = \"all\""
+                .to_owned();
+            return refuse("filter", reason);
         }
         if let FilterConfig::TopPredicted { k: drawn } = self.filter
             && let DiscountConfig::Ted { k, .. } | DiscountConfig::RewardPenalty { k, .. } =

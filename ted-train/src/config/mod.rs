@@ -75,6 +75,12 @@ impl Config {
         toml::to_string_pretty(self).expect("a configuration is plain data")
     }
 
+    /// Whether somebody has to answer questions.
+    #[must_use]
+    pub fn asks(&self) -> bool {
+        self.reward.asks() || self.algorithm.asks()
+    }
+
     /// Digest of the canonical form, which travels in the artefact.
     #[must_use]
     pub fn digest(&self) -> [u8; 32] {

@@ -13,8 +13,17 @@ use super::{Config, ConfigError, Preset};
 pub struct Overrides {
     /// What a file calls its run.
     name: Name,
-    /// Tables merged over the preset in this order, with where they came from.
-    layers: Vec<(String, Table)>,
+    /// Merged over the preset in this order.
+    layers: Vec<Layer>,
+}
+
+/// A table, and where it came from.
+#[derive(Clone, Debug)]
+struct Layer {
+    origin: String,
+    /// The presets that it is for; all of them if it names none.
+    presets: Vec<Preset>,
+    table: Table,
 }
 
 /// What a run is called by: the two fields that have flags of their own.
@@ -43,19 +52,33 @@ impl Overrides {
         self.name.preset = preset.or(self.name.preset);
         self.name.seed = seed.or(self.name.seed);
         table.retain(|key, _| !NAME.contains(&key));
-        self.layers.push((origin, table));
+        self.layers.push(Layer {
+            origin,
+            presets: Vec::new(),
+            table,
+        });
         Ok(self)
     }
 
-    /// Adds one `key=value`; the key is a dotted path, the value TOML, bare words being strings.
+    /// Adds one `key=value`; the key is a dotted path, the value TOML, bare words being strings. With `preset,preset:` before
+    /// it, it is for these presets only.
     ///
     /// # Errors
-    /// When there is no `=`, the key is empty, or it is one that has a flag of its own.
+    /// When there is no `=`, the key is empty, it is one that has a flag of its own, or there is no such preset.
     pub fn set(mut self, argument: &str) -> Result<Self, ConfigError> {
         let bad = || ConfigError::Override {
             argument: argument.to_owned(),
         };
         let (key, value) = argument.split_once('=').ok_or_else(bad)?;
+        let (names, key) = key.rsplit_once(':').unwrap_or(("", key));
+        let names = names.split(',').map(str::trim);
+        let presets = names.filter(|name| !name.is_empty()).map(|name| {
+            Preset::try_from(name.to_owned()).map_err(|message| ConfigError::Invalid {
+                origin: format!("--set {argument}"),
+                message,
+            })
+        });
+        let presets = presets.collect::<Result<_, _>>()?;
         if let Some(field) = NAME.into_iter().find(|field| *field == key.trim()) {
             let argument = argument.to_owned();
             return Err(ConfigError::Flag { field, argument });
@@ -73,7 +96,11 @@ impl Overrides {
             }
             table = Table::from_iter([(part.to_owned(), Value::Table(table))]);
         }
-        self.layers.push((format!("--set {argument}"), table));
+        self.layers.push(Layer {
+            origin: format!("--set {argument}"),
+            presets,
+            table,
+        });
         Ok(self)
     }
 
@@ -94,13 +121,14 @@ impl Overrides {
         };
         let mut table: Table = parse("the preset", &start.to_toml())?;
         let mut config = start;
-        for (origin, layer) in &self.layers {
-            merge(&mut table, layer.clone());
+        let theirs = |layer: &&Layer| layer.presets.is_empty() || layer.presets.contains(&preset);
+        for layer in self.layers.iter().filter(theirs) {
+            merge(&mut table, layer.table.clone());
             config = table
                 .clone()
                 .try_into()
                 .map_err(|error| ConfigError::Invalid {
-                    origin: origin.clone(),
+                    origin: layer.origin.clone(),
                     message: clean(&error),
                 })?;
         }
@@ -275,6 +303,31 @@ mod tests {
             let error = resolve(&[set]).unwrap_err().to_string();
             assert!(error.contains("has --"), "{set}: {error}");
         }
+    }
+
+    #[test]
+    fn a_change_may_be_for_some_presets_only() {
+        let changes = Overrides::default().set("algorithm.steps=7").unwrap();
+        let changes = changes
+            .set("oprl-atac,oprl-atac+ted:algorithm.warm_start=3")
+            .and_then(|it| it.set("zero : algorithm.steps=9"));
+        let steps = |preset| {
+            let config = changes.as_ref().unwrap().resolve(Some(preset), None);
+            config.unwrap().algorithm.steps()
+        };
+        assert_eq!((steps(Preset::Zero), steps(Preset::True)), (9, 7));
+        let atac = changes
+            .as_ref()
+            .unwrap()
+            .resolve(Some(Preset::OprlAtacTed), None);
+        assert!(atac.unwrap().to_toml().contains("warm_start = 3"));
+        let error = Overrides::default()
+            .set("zer:algorithm.steps=9")
+            .unwrap_err();
+        assert!(
+            error.to_string().contains("no preset is called \"zer\""),
+            "{error}"
+        );
     }
 
     #[test]

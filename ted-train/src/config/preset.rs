@@ -9,6 +9,7 @@ use crate::algorithm::atac::AtacConfig;
 use crate::algorithm::awr::AwrConfig;
 use crate::algorithm::bc::BcConfig;
 use crate::algorithm::iql::IqlConfig;
+use crate::algorithm::oppo::OppoConfig;
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
@@ -45,6 +46,7 @@ pub enum Preset {
     PtTed,
     PtTruncate,
     Otr,
+    Oppo,
     Bc,
     Bc10,
 }
@@ -80,7 +82,7 @@ const SURVIVAL: &str = "Li et al. 2023, on the survival instinct";
 const SANITY: &str = "ours: TED must not make something of nothing";
 
 /// Every preset, in the order of the enum.
-pub const TABLE: [Row; 22] = [
+pub const TABLE: [Row; 23] = [
     row(
         Preset::True,
         "true",
@@ -192,6 +194,12 @@ pub const TABLE: [Row; 22] = [
         "paper, Table 8; Luo et al. 2023",
     ),
     row(
+        Preset::Oppo,
+        "oppo",
+        "a policy for sequences from ten answers, without a reward; no controller flies it",
+        "paper, Table 8; Kang et al. 2023",
+    ),
+    row(
         Preset::Bc,
         "bc",
         "behaviour cloning of everything",
@@ -226,7 +234,7 @@ impl Preset {
                 RewardConfig::Transformer(PtConfig::default())
             }
             Self::Otr => RewardConfig::Transport(TransportConfig::default()),
-            Self::Bc | Self::Bc10 => RewardConfig::None {},
+            Self::Oppo | Self::Bc | Self::Bc10 => RewardConfig::None {},
         };
         let filter = match self {
             Self::Bc10 => FilterConfig::TopTrue { k: 10.0 },
@@ -250,8 +258,14 @@ impl Preset {
             Self::Oprl => AlgorithmConfig::Awr(AwrConfig::default()),
             Self::OprlAtac | Self::OprlAtacTed => AlgorithmConfig::Atac(AtacConfig::default()),
             Self::Bc | Self::Bc10 => AlgorithmConfig::Bc(BcConfig::default()),
+            Self::Oppo => AlgorithmConfig::Oppo(OppoConfig::default()),
             _ => AlgorithmConfig::Iql(IqlConfig::default()),
         };
+        let mut schedule = Schedule::default();
+        if self == Self::Oppo {
+            // An update takes a second.
+            (schedule.log_every, schedule.checkpoint_every) = (50, 100);
+        }
         Config {
             preset: self,
             seed: 0,
@@ -261,7 +275,7 @@ impl Preset {
             filter,
             discount,
             algorithm,
-            schedule: Schedule::default(),
+            schedule,
         }
     }
 

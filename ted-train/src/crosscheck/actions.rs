@@ -6,11 +6,8 @@ use firmware_sim::progress::Audience;
 use rayon::prelude::*;
 use ted_core::{Policy, Scratch};
 
-use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::nn::{Backend, ExportedMlp, Mlp};
-use crate::run::Checkpoint;
-use crate::train::actor;
 
 use super::{CrosscheckError, Distance};
 
@@ -29,15 +26,13 @@ pub(super) struct ActionDistances {
 /// Compares the actions for these rows of the dataset's observations.
 pub(super) fn compare(
     policy: &Policy<'_>,
-    config: &Config,
-    checkpoint: &Checkpoint,
+    actor: &ExportedMlp,
     dataset: &Dataset,
     rows: &[usize],
     audience: Audience,
 ) -> Result<ActionDistances, CrosscheckError> {
-    let actor = actor(config, dataset, checkpoint)?;
-    let [fused, flex, ndarray] = [Backend::Fused, Backend::Flex, Backend::Ndarray]
-        .map(|backend| Actor::new(&actor, backend));
+    let [fused, flex, ndarray] =
+        [Backend::Fused, Backend::Flex, Backend::Ndarray].map(|backend| Actor::new(actor, backend));
     let width = dataset.observation_dim();
     let progress = audience.start("compare actions", rows.len() as u64, "observations");
     let mut all = ActionDistances::default();

@@ -3,7 +3,7 @@
 use firmware_sim::bridge::Engine;
 use firmware_sim::progress::Audience;
 
-use crate::evaluate::{Evaluation, FlightPlan, evaluate};
+use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate};
 use crate::run::{EVALUATION, RunFolder};
 
 use super::CrosscheckError;
@@ -34,8 +34,7 @@ pub(super) fn fly_again(
     let held: Evaluation = folder.read_json(EVALUATION)?;
     let episodes = episodes.min(u32::try_from(held.returns.len()).unwrap_or(episodes));
     let flown = evaluate(
-        &folder.artefact_path(),
-        held.numeric,
+        Flyer::Artefact(&folder.artefact_path(), held.numeric),
         Some(&held.task),
         &FlightPlan {
             episodes,

@@ -22,7 +22,7 @@ use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
 use crate::ted::{DiscountConfig, classes};
 use crate::tolerance::{self, Allowed, Tolerance};
-use crate::train::{FinishedRun, TrainError, last_checkpoint};
+use crate::train::{FinishedRun, TrainError};
 
 use flight::{Again, fly_again};
 
@@ -144,7 +144,6 @@ pub fn crosscheck(
     audience: Audience,
 ) -> Result<Crosscheck, CrosscheckError> {
     let run = FinishedRun::read(folder, dataset, audience)?;
-    let checkpoint = last_checkpoint(folder, run.config(), audience)?;
     let bytes = ArtifactBytes::read(folder.artefact_path())?;
     let artifact = Artifact::parse(&bytes).map_err(CrosscheckError::Artifact)?;
     let (mut checks, mut left_out) = (Vec::new(), Vec::new());
@@ -217,7 +216,7 @@ pub fn crosscheck(
 
     let (rows, observations) = rows(dataset, config.sample, run.config().seed);
     let policy = artifact.policy();
-    let distances = actions::compare(&policy, run.config(), &checkpoint, dataset, &rows, audience)?;
+    let distances = actions::compare(&policy, run.actor(), dataset, &rows, audience)?;
     checks.extend([
         Check::of(tolerance::ACTIONS_FUSED, distances.fused_core),
         Check::of(tolerance::ACTIONS_FLEX, distances.flex_core),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firmware_sim::bridge::Engine;
+use firmware_sim::controller::Numeric;
 use firmware_sim::progress::Audience;
 use firmware_sim::{interrupt, tasks};
 use serde::Serialize;
@@ -12,10 +13,11 @@ use serde::Serialize;
 use super::{Datasets, LaneError};
 use crate::config::Config;
 use crate::dataset::Dataset;
-use crate::evaluate::{Evaluation, FlightPlan, evaluate_once};
+use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate_once};
 use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
+use crate::reward::RewardConfig;
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
-use crate::train::{LearnedPolicy, Prepared, check};
+use crate::train::{Finished, LearnedPolicy, Prepared, check};
 
 /// A run that is to be made, or gone on with.
 #[derive(Clone, Debug)]
@@ -28,13 +30,15 @@ pub struct Lane {
     pub folder: PathBuf,
     /// A preference log to answer from; true returns answer if there is none.
     pub answers: Option<PathBuf>,
+    /// Folders of runs that may have learned the reward of this one, which takes long.
+    pub siblings: Vec<PathBuf>,
 }
 
 /// What a run left.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trained {
-    /// The artefact.
-    pub artefact: PathBuf,
+    /// The artefact, if a controller can fly the policy.
+    pub artefact: Option<PathBuf>,
     /// How it flew, if it was to fly and its task can be simulated.
     pub evaluation: Option<Evaluation>,
 }
@@ -47,7 +51,46 @@ pub(super) struct Begun<'l> {
     answers: Option<ReplayTeacher>,
 }
 
+/// Tells lanes of each other whose rewards take long to learn and are the same, and puts the first of each such family before
+/// everything else of it: what it has learned is there when the others begin.
+pub fn introduce(lanes: Vec<Lane>) -> Vec<Lane> {
+    let mut families: Vec<Vec<Lane>> = Vec::new();
+    for lane in lanes {
+        let family = families.iter_mut().find(|family| lane.is_of(&family[0]));
+        match family {
+            Some(family) => family.push(lane),
+            None => families.push(vec![lane]),
+        }
+    }
+    let (mut first, mut others) = (Vec::new(), Vec::new());
+    for mut family in families {
+        let folders: Vec<_> = family.iter().map(|lane| lane.folder.clone()).collect();
+        for lane in &mut family {
+            let siblings = folders.iter().filter(|folder| **folder != lane.folder);
+            lane.siblings = siblings.cloned().collect();
+        }
+        others.extend(family.split_off(1));
+        first.extend(family);
+    }
+    first.extend(others);
+    first
+}
+
 impl Lane {
+    /// Whether it learns the reward of another lane, and that takes long.
+    fn is_of(&self, other: &Self) -> bool {
+        let learns = |lane: &Self| {
+            (
+                lane.config.reward.clone(),
+                lane.config.seed,
+                lane.config.backend,
+            )
+        };
+        matches!(self.config.reward, RewardConfig::Transformer(_))
+            && learns(self) == learns(other)
+            && (&self.dataset, &self.answers) == (&other.dataset, &other.answers)
+    }
+
     /// Opens what the run needs. Nothing is begun that cannot be ended.
     pub(super) fn begin(&self, datasets: &Datasets) -> Result<Begun<'_>, LaneError> {
         if interrupt::requested() {
@@ -71,7 +114,7 @@ impl Lane {
         Ok(Begun {
             lane: self,
             dataset,
-            folder,
+            folder: folder.among(self.siblings.clone()),
             answers: answers.map(|(_, answers)| answers),
         })
     }
@@ -99,10 +142,17 @@ impl Begun<'_> {
         simulators: NonZeroUsize,
         audience: Audience,
     ) -> Result<Trained, LaneError> {
-        run.finish(policy)?;
-        let artefact = self.folder.artefact_path();
-        audience.note(&format!("wrote {}", artefact.display()));
-
+        let finished = run.finish(policy)?;
+        let (flyer, artefact) = match &finished {
+            Finished::Artefact(path) => {
+                audience.note(&format!("wrote {}", path.display()));
+                (Flyer::Artefact(path, Numeric::F32), Some(path.clone()))
+            }
+            Finished::Sequence(oppo) => {
+                audience.note("no artefact: a sequence policy flies from this machine only");
+                (Flyer::Sequence(oppo, &self.dataset), None)
+            }
+        };
         let episodes = self.lane.config.schedule.evaluation_episodes;
         let task = self.dataset.task();
         let simulated = task.is_some_and(|task| tasks::single(task).is_ok());
@@ -117,7 +167,7 @@ impl Begun<'_> {
                     workers: simulators.get(),
                     engine: Engine::default(),
                 };
-                Some(evaluate_once(&self.folder, &plan, audience)?)
+                Some(evaluate_once(&self.folder, flyer, &plan, audience)?)
             }
             false => None,
         };

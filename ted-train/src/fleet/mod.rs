@@ -15,7 +15,7 @@ pub use batch::together;
 pub use crew::Crew;
 pub use datasets::Datasets;
 pub use error::{FleetError, LaneError};
-pub use lane::{Lane, Trained};
+pub use lane::{Lane, Trained, introduce};
 
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};

@@ -8,7 +8,7 @@ use ted_policy::Digest;
 
 use crate::config::Config;
 use crate::evaluate::Evaluation;
-use crate::run::{DatasetReference, RunError, RunFolder};
+use crate::run::{DATASET, DatasetReference, RunError, RunFolder};
 use crate::train::{RewardReport, newest_step};
 
 /// A run in short.
@@ -44,7 +44,7 @@ impl RunText {
         Ok(Self {
             path: folder.path().to_path_buf(),
             config_digest: Digest(config.digest()).to_string(),
-            dataset: folder.read_json("dataset.json")?,
+            dataset: folder.read_json(DATASET)?,
             step: newest_step(folder, &config, Audience::Nobody),
             steps: config.algorithm.steps(),
             reward: held("reward.json")

@@ -7,6 +7,7 @@ mod narrator;
 use std::path::{Path, PathBuf};
 
 use firmware_sim::bridge::environment::{self, SetupError};
+use firmware_sim::controller::Numeric;
 use firmware_sim::progress::Audience;
 use serde::Serialize;
 
@@ -14,7 +15,7 @@ use crate::collect::{self, CollectConfig, CollectError, PartReport, Recipe};
 use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
-use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, evaluate_once};
+use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate_once};
 use crate::preferences::{PreferenceError, ScriptedTeacher};
 use crate::run::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
 use crate::train::{TrainError, train};
@@ -191,7 +192,9 @@ pub fn quickstart(
         workers: config.workers,
         engine: environment.engine(),
     };
-    let trained = evaluate_once(&folder, &plan, audience)?;
+    let artefact = folder.artefact_path();
+    let flyer = Flyer::Artefact(&artefact, Numeric::F32);
+    let trained = evaluate_once(&folder, flyer, &plan, audience)?;
 
     stage(6, "is what flew what was trained?");
     let check = CrosscheckConfig {

@@ -140,7 +140,7 @@ impl Checkpoint {
     }
 
     /// The update after which all lanes of a learner go on.
-    fn common_step(lanes: &[&Self], learner: usize) -> Result<u64, ForeignCheckpoint> {
+    pub(crate) fn common_step(lanes: &[&Self], learner: usize) -> Result<u64, ForeignCheckpoint> {
         match lanes {
             [first, rest @ ..]
                 if lanes.len() == learner && rest.iter().all(|l| l.step == first.step) =>

@@ -18,7 +18,10 @@ use super::{Checkpoint, ForeignCheckpoint};
 /// Every question asked, and its answer.
 pub const PREFERENCES: &str = "preferences.jsonl";
 
-/// How the artefact flew.
+/// Which dataset the run is trained on.
+pub const DATASET: &str = "dataset.json";
+
+/// How the policy flew.
 pub const EVALUATION: &str = "evaluation.json";
 
 /// What the integer networks of the artefact cost.
@@ -84,6 +87,7 @@ pub enum RunError {
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
+    siblings: Vec<PathBuf>,
     /// Held as long as the run is open for writing.
     _lock: Option<File>,
 }
@@ -101,13 +105,14 @@ impl RunFolder {
         disk::create_folder(&path.join("checkpoints"))?;
         let folder = Self {
             path: path.to_path_buf(),
+            siblings: Vec::new(),
             _lock: Some(disk::lock(path)?),
         };
         if !Self::holds(path, config)? {
             disk::replace(&folder.config_path(), config.to_toml().as_bytes())?;
         }
-        if folder.file("dataset.json").exists() {
-            let held: DatasetReference = folder.read_json("dataset.json")?;
+        if folder.file(DATASET).exists() {
+            let held: DatasetReference = folder.read_json(DATASET)?;
             if held.digest != dataset.digest {
                 return Err(folder.other(format!(
                     "it was trained on {} with digest {}",
@@ -115,7 +120,7 @@ impl RunFolder {
                 )));
             }
         }
-        folder.write_json("dataset.json", dataset)?;
+        folder.write_json(DATASET, dataset)?;
         Ok(folder)
     }
 
@@ -154,6 +159,7 @@ impl RunFolder {
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let folder = Self {
             path: path.to_path_buf(),
+            siblings: Vec::new(),
             _lock: None,
         };
         let config = folder.config_path();
@@ -162,6 +168,18 @@ impl RunFolder {
         } else {
             Err(RunError::Missing { path: config })
         }
+    }
+
+    /// The same folder among others, whose runs may have learned what this one is to learn.
+    #[must_use]
+    pub fn among(self, siblings: Vec<PathBuf>) -> Self {
+        Self { siblings, ..self }
+    }
+
+    /// Folders of runs that may have learned what this one is to learn.
+    #[must_use]
+    pub fn siblings(&self) -> &[PathBuf] {
+        &self.siblings
     }
 
     /// Where it is.

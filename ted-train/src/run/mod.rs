@@ -12,9 +12,11 @@
 //! events.out.tfevents… the same for TensorBoard
 //! policy.ted           the artefact
 //! evaluation.json      how it flew
+//! time.json            how long it took; two equal runs differ in this file alone
 //! ```
 
 mod checkpoint;
+mod clock;
 mod events;
 mod folder;
 mod metrics;
@@ -23,8 +25,11 @@ mod sealed;
 
 pub(crate) use checkpoint::Visit;
 pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
+pub use clock::{Clock, Spent};
 pub use events::EventWriter;
-pub use folder::{DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder};
+pub use folder::{
+    DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder,
+};
 pub use metrics::MetricsLog;
 pub use saver::Saver;
 pub use sealed::SealedError;

@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::config::{ConfigError, Overrides, Preset};
 use crate::evaluate::Evaluation;
 use crate::fleet::{self, Datasets, FleetError, Lane};
-use crate::run::{EVALUATION, RunError, RunFolder};
+use crate::run::{EVALUATION, RunError, RunFolder, Spent};
 use crate::train::RewardReport;
 
 /// One run of the study.
@@ -39,6 +39,8 @@ pub struct PolicyScore {
     pub evaluation: Evaluation,
     /// What its rewards were worth.
     pub reward: RewardReport,
+    /// How long it took, if somebody looked at the clock.
+    pub spent: Option<Spent>,
 }
 
 /// Why a study of policies stopped.
@@ -84,17 +86,16 @@ pub fn fill(
     let changes = changes(sets)?;
     let mut lanes = Vec::new();
     for run in runs {
-        let folder = run_path(out, run);
-        if folder.join(EVALUATION).exists() {
-            continue;
-        }
         lanes.push(Lane {
             dataset: locate(&run.dataset),
             config: changes.resolve(Some(run.preset), Some(run.seed))?,
-            folder,
+            folder: run_path(out, run),
             answers: None,
+            siblings: Vec::new(),
         });
     }
+    let mut lanes = fleet::introduce(lanes);
+    lanes.retain(|lane| !lane.folder.join(EVALUATION).exists());
     let ends = fleet::run(&lanes, &Datasets::default(), jobs, audience);
     match fleet::first_failure(&lanes, ends) {
         None => Ok(()),
@@ -124,6 +125,7 @@ pub fn scores(out: &Path, runs: &[PolicyRun]) -> Vec<PolicyScore> {
             seed: run.seed,
             evaluation: folder.read_json(EVALUATION).ok()?,
             reward: folder.read_json("reward.json").ok()?,
+            spent: Spent::of(&folder),
         })
     };
     runs.iter().filter_map(read).collect()
@@ -140,8 +142,8 @@ pub fn table(scores: &[PolicyScore]) -> String {
             .push(score);
     }
     let mut rows = vec![
-        "| task | preset | seeds | return | normalised score | each seed | success | Spearman | low third | high third | transition Pearson |".to_owned(),
-        "|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
+        "| task | preset | seeds | return | normalised score | each seed | success | minutes | Spearman | low third | high third | transition Pearson |".to_owned(),
+        "|---|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
     ];
     for ((dataset, preset), group) in groups {
         let column = |digits: usize, value: &dyn Fn(&PolicyScore) -> f64| {
@@ -154,12 +156,13 @@ pub fn table(scores: &[PolicyScore]) -> String {
             .collect();
         let quality = |value: fn(&PolicyScore) -> f64| column(2, &value);
         rows.push(format!(
-            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {rho} | {low} | {high} | {transition} |",
+            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {minutes} | {rho} | {low} | {high} | {transition} |",
             seeds = group.len(),
             ret = column(0, &|s| s.evaluation.return_mean),
             score = column(3, &|s| s.evaluation.score.unwrap_or(f64::NAN)),
             each = each.join(", "),
             success = column(2, &|s| s.evaluation.success),
+            minutes = minutes(&group),
             rho = quality(|s| s.reward.quality.spearman),
             low = quality(|s| s.reward.quality.spearman_low_third),
             high = quality(|s| s.reward.quality.spearman_high_third),
@@ -167,6 +170,18 @@ pub fn table(scores: &[PolicyScore]) -> String {
         ));
     }
     rows.join("\n")
+}
+
+/// Mean wall time of those whose time is known.
+fn minutes(group: &[&PolicyScore]) -> String {
+    let known: Vec<f64> = group
+        .iter()
+        .filter_map(|s| Some(s.spent?.seconds / 60.0))
+        .collect();
+    match known.len() {
+        0 => "-".to_owned(),
+        count => format!("{:.1}", known.iter().sum::<f64>() / count as f64),
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! What a finished run learned: made at the end of training, or read back from the run's folder.
 
+use std::path::PathBuf;
+
 use firmware_sim::progress::Audience;
 use ted_core::{RewardRange, TedDiscount};
 use ted_policy::Digest;
 
 use crate::algorithm::Replay;
+use crate::algorithm::oppo::Oppo;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
@@ -15,13 +18,21 @@ use crate::rng::Seed;
 use crate::run::{Checkpoint, RunError, RunFolder};
 
 use super::TrainError;
-use super::offline::LearnedPolicy;
+use super::offline::{LearnedPolicy, NetworkPolicy};
 use super::rewards::{self, Rewards};
+
+/// What came of a run.
+pub enum Finished {
+    /// An artefact, which a controller flies.
+    Artefact(PathBuf),
+    /// A sequence policy, which is in the last checkpoint and flies on this machine.
+    Sequence(Box<Oppo>),
+}
 
 /// Everything that the artefact of a run is made from.
 pub struct FinishedRun {
     pub(super) config: Config,
-    pub(super) policy: LearnedPolicy,
+    pub(super) policy: NetworkPolicy,
     pub(super) rewards: Rewards,
     pub(super) ted: Option<TedDiscount>,
 }
@@ -31,21 +42,27 @@ impl FinishedRun {
     /// was trained on, is labelled again.
     ///
     /// # Errors
-    /// When the run has not made all of its updates, or one of its files cannot be used.
+    /// When the run has not made all of its updates, its policy is none that a controller flies, or one of its files cannot
+    /// be used.
     pub fn read(
         folder: &RunFolder,
         dataset: &Dataset,
         audience: Audience,
     ) -> Result<Self, TrainError> {
         let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
-        let checkpoint = last_checkpoint(folder, &config, audience)?;
-        let actor = actor(&config, dataset, &checkpoint)?;
+        let policy = match learned_policy(&config, folder, dataset, audience)? {
+            LearnedPolicy::Network(policy) => policy,
+            LearnedPolicy::Sequence(_) => {
+                return Err(TrainError::NotForControllers {
+                    folder: folder.path().to_path_buf(),
+                    algorithm: config.algorithm.name(),
+                });
+            }
+        };
         let rewards = rewards::relabel(dataset, &config, folder, audience)?;
         let ted = config
             .discount
             .lookup(&rewards.labels.episode_returns(dataset))?;
-        let replay = Replay::new(dataset, Vec::new(), Vec::new());
-        let policy = LearnedPolicy::new(actor, &replay);
         Ok(Self {
             config,
             policy,
@@ -125,31 +142,52 @@ impl FinishedRun {
     }
 }
 
-/// The policy of a checkpoint of a run on this dataset.
+/// The sequence policy of a finished run on this dataset.
 ///
 /// # Errors
-/// When the checkpoint is of another run.
-pub fn actor(
-    config: &Config,
+/// When the run has not made all of its updates, its policy is a network, which its artefact holds, or one of its files
+/// cannot be used.
+pub fn sequence_policy(
+    folder: &RunFolder,
     dataset: &Dataset,
-    checkpoint: &Checkpoint,
-) -> Result<ExportedMlp, RunError> {
-    let (observation, action) = (dataset.observation_dim(), dataset.action_dim());
+    audience: Audience,
+) -> Result<Box<Oppo>, TrainError> {
+    let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
+    match learned_policy(&config, folder, dataset, audience)? {
+        LearnedPolicy::Sequence(oppo) => Ok(oppo),
+        LearnedPolicy::Network(_) => Err(RunError::Missing {
+            path: folder.artefact_path(),
+        }
+        .into()),
+    }
+}
+
+/// The policy of a finished run on this dataset.
+fn learned_policy(
+    config: &Config,
+    folder: &RunFolder,
+    dataset: &Dataset,
+    audience: Audience,
+) -> Result<LearnedPolicy, TrainError> {
+    let checkpoint = last_checkpoint(folder, config, audience)?;
+    let replay = Replay::new(dataset, Vec::new(), Vec::new());
+    // A network is numbers, whatever computed them; a sequence policy acts with what it was trained on, where there is that.
+    let backend = match config.backend.usable() {
+        Ok(()) => config.backend,
+        Err(_) => Backend::default(),
+    };
     let roots = [Seed::root(config.seed)];
-    // A checkpoint is numbers, whatever computed them.
-    let backend = Backend::default();
-    let mut learner = config
-        .algorithm
-        .learner(observation, action, &roots, backend);
-    learner.restore(&[checkpoint])?;
-    Ok(learner.actors().swap_remove(0))
+    let mut learner = config.algorithm.learner(&[&replay], &roots, backend);
+    learner.restore(&[&checkpoint]).map_err(RunError::from)?;
+    let policy = learner.policies().swap_remove(0);
+    Ok(LearnedPolicy::new(policy, &replay))
 }
 
 /// The checkpoint after the last update of a run.
 ///
 /// # Errors
 /// When there is none.
-pub fn last_checkpoint(
+fn last_checkpoint(
     folder: &RunFolder,
     config: &Config,
     audience: Audience,

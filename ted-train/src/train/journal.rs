@@ -4,13 +4,15 @@ use std::thread::Scope;
 
 use crate::algorithm::Metrics;
 use crate::config::{Config, Schedule};
-use crate::run::{Checkpoint, EventWriter, MetricsLog, Saver};
+use crate::run::{Checkpoint, Clock, EventWriter, MetricsLog, RunFolder, Saver};
 
 use super::TrainError;
 use super::prepared::Prepared;
 
 /// The files that grow while one run learns.
 pub(super) struct Journal<'s> {
+    folder: &'s RunFolder,
+    clock: Clock,
     schedule: Schedule,
     phase: &'static str,
     steps: u64,
@@ -25,7 +27,10 @@ impl<'s> Journal<'s> {
     pub(super) fn begin<'e>(
         scope: &'s Scope<'s, 'e>,
         lane: &Prepared<'e>,
-    ) -> Result<Self, TrainError> {
+    ) -> Result<Self, TrainError>
+    where
+        'e: 's,
+    {
         let (folder, step) = (lane.folder, lane.step());
         let Config {
             schedule,
@@ -34,6 +39,8 @@ impl<'s> Journal<'s> {
         } = lane.config;
         let metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), step)?;
         Ok(Self {
+            folder,
+            clock: lane.clock,
             schedule: schedule.clone(),
             phase: algorithm.name(),
             steps: algorithm.steps(),
@@ -66,6 +73,7 @@ impl<'s> Journal<'s> {
         }
         if self.checkpoint_is_due(step) {
             self.saver = self.saver.save(checkpoint(self.digest))?;
+            self.clock.note(self.folder)?;
         }
         Ok(self)
     }
@@ -77,7 +85,8 @@ impl<'s> Journal<'s> {
         checkpoint: impl FnOnce([u8; 32]) -> Checkpoint,
     ) -> TrainError {
         let saved = self.saver.save(checkpoint(self.digest));
-        match saved.and_then(Saver::finish) {
+        let noted = saved.and_then(Saver::finish);
+        match noted.and_then(|()| self.clock.note(self.folder)) {
             Ok(()) => TrainError::Interrupted { step },
             Err(error) => error.into(),
         }

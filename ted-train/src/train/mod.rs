@@ -1,5 +1,6 @@
 //! The four phases of a run: learn a reward, label the data, set the discounts, learn a policy; then export it.
 
+mod answers;
 mod finished;
 mod journal;
 mod model;
@@ -8,14 +9,15 @@ mod prepared;
 mod rewards;
 mod watch;
 
-pub use finished::{FinishedRun, actor, last_checkpoint, newest_step};
-pub use offline::{LearnedPolicy, learn};
+pub use finished::{Finished, FinishedRun, newest_step, sequence_policy};
+pub use offline::{LearnedPolicy, NetworkPolicy, learn};
 pub use prepared::Prepared;
 pub use rewards::RewardReport;
 pub use watch::Watch;
 
 use std::path::PathBuf;
 
+use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::export::{ContractText, ExportError};
@@ -81,6 +83,17 @@ pub enum TrainError {
         /// Updates that the configuration asks for.
         steps: u64,
     },
+    /// A policy that is no network from an observation to an action.
+    #[error(
+        "the policy of {folder} is a transformer over many steps ({algorithm}), and a controller flies networks that see one \
+         observation: there is no artefact to export or to fly; `ted eval` flies the run from this machine"
+    )]
+    NotForControllers {
+        /// The run's folder.
+        folder: PathBuf,
+        /// What learned it.
+        algorithm: &'static str,
+    },
     /// Somebody asked to stop.
     #[error("stopped after {step} updates; the same command goes on from there")]
     Interrupted {
@@ -109,6 +122,9 @@ pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
         RewardConfig::Transport(config) => transport::check(dataset, config)?,
         _ => {}
     }
+    if let AlgorithmConfig::Oppo(oppo) = &config.algorithm {
+        SegmentSampler::new(dataset, oppo.segment).map_err(LearnError::from)?;
+    }
     Ok(config.filter.check(dataset.episodes().len())?)
 }
 
@@ -128,7 +144,8 @@ pub fn train(
 ) -> Result<(), TrainError> {
     let run = Prepared::new(dataset, config, folder, teacher, watch.audience())?;
     let mut learned = learn(&[&run], watch);
-    run.finish(learned.swap_remove(0)?)
+    run.finish(learned.swap_remove(0)?)?;
+    Ok(())
 }
 
 #[cfg(test)]

@@ -10,9 +10,10 @@ use crate::reward::oprl::{self, ExportedEnsemble, Fit, HeldOut, OprlConfig};
 use crate::reward::transformer::{self, PtConfig, transformer_labels};
 use crate::reward::{RewardConfig, oprl::LearnError};
 use crate::rng::Seed;
-use crate::run::{Checkpoint, PREFERENCES, RunError, RunFolder};
+use crate::run::{Checkpoint, DATASET, DatasetReference, PREFERENCES, RunError, RunFolder};
 
 use super::TrainError;
+use super::answers::{self, Answers};
 
 /// The file of the learned model.
 const STATE: &str = "reward.state";
@@ -52,8 +53,7 @@ pub(super) fn learned(
     root: Seed,
     audience: Audience,
 ) -> Result<(RewardModel, Facts), TrainError> {
-    let mut log =
-        PreferenceLog::open(folder.file(PREFERENCES), dataset).map_err(LearnError::from)?;
+    let mut log = answers::log(folder, dataset, audience)?;
     if folder.file(STATE).exists() {
         match folder.read_state::<(RewardModel, Facts)>(STATE) {
             Ok((model, facts)) => {
@@ -69,39 +69,27 @@ pub(super) fn learned(
             Err(error) => audience.note(&format!("learning the reward again: {error}")),
         }
     }
-    if let Some(recovered) = log.recovered() {
-        audience.note(&format!(
-            "the preference log had a torn last line; {} answers are kept",
-            recovered.kept
-        ));
-    }
     let mut phase = Phase {
         dataset,
         config,
         folder,
         teacher,
-        seed: root.child("reward"),
+        root,
         audience,
     };
-    let (model, fits, held_out) = match &config.reward {
+    let state = match &config.reward {
         RewardConfig::Transformer(transformer) => phase.transformer(transformer, &mut log)?,
         RewardConfig::Oprl(oprl) => phase.ensemble(oprl, &mut log)?,
         _ => unreachable!("asked for by a source that learns nothing"),
     };
-    let facts = Facts {
-        queries: log.entries().len(),
-        fits,
-        held_out: Some(held_out),
-        preferences_digest: Some(log.digest().map_err(LearnError::from)?),
-    };
-    let state = (model, facts);
     folder.write_state(STATE, &state)?;
     // It is of no more use, and a run that finds it anyway does not look at it.
     let _ = std::fs::remove_file(folder.file(TRAINING));
     Ok(state)
 }
 
-type Learned = (RewardModel, Vec<Fit>, HeldOut);
+/// A model as the folder keeps it.
+type State = (RewardModel, Facts);
 
 /// What both sources learn from.
 struct Phase<'a> {
@@ -109,7 +97,7 @@ struct Phase<'a> {
     config: &'a Config,
     folder: &'a RunFolder,
     teacher: &'a mut dyn Teacher,
-    seed: Seed,
+    root: Seed,
     audience: Audience,
 }
 
@@ -118,48 +106,87 @@ impl Phase<'_> {
         &mut self,
         oprl: &OprlConfig,
         log: &mut PreferenceLog,
-    ) -> Result<Learned, TrainError> {
-        let backend = self.config.backend;
+    ) -> Result<State, TrainError> {
+        let (backend, seed) = (self.config.backend, self.root.child("reward"));
         let learned = oprl::learn(
             oprl,
             self.dataset,
             self.teacher,
             log,
-            self.seed,
+            seed,
             backend,
             self.audience,
         )?;
-        let held_out = oprl::held_out_agreement(oprl, &learned.ensemble, self.dataset, self.seed)
+        let held_out = oprl::held_out_agreement(oprl, &learned.ensemble, self.dataset, seed)
             .map_err(LearnError::from)?;
         let ensemble = ExportedEnsemble::new(&learned.ensemble);
-        Ok((RewardModel::Ensemble(ensemble), learned.fits, held_out))
+        let facts = Facts {
+            queries: log.entries().len(),
+            fits: learned.fits,
+            held_out: Some(held_out),
+            preferences_digest: Some(log.digest().map_err(LearnError::from)?),
+        };
+        Ok((RewardModel::Ensemble(ensemble), facts))
     }
 
     fn transformer(
         &mut self,
         config: &PtConfig,
         log: &mut PreferenceLog,
-    ) -> Result<Learned, TrainError> {
-        let folder = self.folder;
-        let answers = log.digest().map_err(LearnError::from)?;
-        let saved = self.begun(&answers);
+    ) -> Result<State, TrainError> {
+        let PtConfig {
+            queries, segment, ..
+        } = *config;
+        let (dataset, teacher, root) = (self.dataset, &mut *self.teacher, self.root);
+        let answers = Answers::ask(queries, segment, dataset, teacher, log, root)?;
+        if let Some(state) = self.of_a_sibling(&answers.digest) {
+            return Ok(state);
+        }
+        let saved = self.begun(&answers.digest);
+        let (folder, digest, seed) = (self.folder, &answers.digest, root.child("reward"));
         let learned = transformer::learn(
             config,
-            self.dataset,
-            self.teacher,
-            log,
-            self.seed,
+            dataset,
+            &answers.pairs,
+            seed,
             self.config.backend,
             saved.as_ref(),
-            &mut |answers, checkpoint| folder.write_state(TRAINING, &(answers, checkpoint)),
+            &mut |checkpoint| folder.write_state(TRAINING, &(digest, checkpoint)),
             self.audience,
         )?;
         let transformer = &learned.transformer;
-        let held_out =
-            transformer::held_out_agreement(config, transformer, self.dataset, self.seed)
-                .map_err(transformer::LearnError::from)?;
-        let raw = transformer_labels(self.dataset, transformer, self.audience)?;
-        Ok((RewardModel::Labels(raw), vec![learned.fit], held_out))
+        let held_out = transformer::held_out_agreement(config, transformer, dataset, seed)
+            .map_err(LearnError::from)?;
+        let raw = transformer_labels(dataset, transformer, self.audience)?;
+        let facts = Facts {
+            queries: log.entries().len(),
+            fits: vec![learned.fit],
+            held_out: Some(held_out),
+            preferences_digest: Some(answers.digest),
+        };
+        Ok((RewardModel::Labels(raw), facts))
+    }
+
+    /// What another run has learned that asked the same, was answered the same, and learns alike: it would come out the same
+    /// here, to the bit.
+    fn of_a_sibling(&self, answers: &str) -> Option<State> {
+        self.folder.siblings().iter().find_map(|path| {
+            // Whatever is amiss there, the reward is learned here.
+            let sibling = RunFolder::open(path).ok()?;
+            let config = Config::read(&sibling.config_path()).ok()?;
+            let reference: DatasetReference = sibling.read_json(DATASET).ok()?;
+            let alike = |of: &Config| (of.reward.clone(), of.seed, of.backend);
+            if alike(&config) != alike(self.config) || reference.digest != self.dataset.digest() {
+                return None;
+            }
+            let state: State = sibling.read_state(STATE).ok()?;
+            (state.1.preferences_digest.as_deref() == Some(answers)).then(|| {
+                let from = path.display();
+                self.audience
+                    .note(&format!("the reward of {from} is this run's too"));
+                state
+            })
+        })
     }
 
     /// A training that was stopped, if it was on these answers.

@@ -6,10 +6,9 @@
 use std::thread;
 
 use firmware_sim::interrupt;
-use rayon::prelude::*;
 
-use crate::algorithm::{Batch, Replay};
-use crate::algorithm::{Learner, Metrics};
+use crate::algorithm::oppo::Oppo;
+use crate::algorithm::{Learner, Metrics, Policy, Replay};
 use crate::nn::ExportedMlp;
 use crate::run::{Checkpoint, ForeignCheckpoint, RunError};
 
@@ -18,19 +17,29 @@ use super::prepared::Prepared;
 use super::{TrainError, Watch};
 
 /// What the last phase of a run ends with.
-pub struct LearnedPolicy {
+pub enum LearnedPolicy {
+    /// A policy that a controller flies.
+    Network(NetworkPolicy),
+    /// A policy that only this machine flies.
+    Sequence(Box<Oppo>),
+}
+
+/// An actor, and the standardisation that its inputs need.
+pub struct NetworkPolicy {
     pub(super) actor: ExportedMlp,
     pub(super) shift: Vec<f32>,
     pub(super) scale: Vec<f32>,
 }
 
 impl LearnedPolicy {
-    /// An actor, and the standardisation that its inputs need.
-    pub(super) fn new(actor: ExportedMlp, replay: &Replay<'_>) -> Self {
-        Self {
-            actor,
-            shift: replay.shift().to_vec(),
-            scale: replay.scale().to_vec(),
+    pub(super) fn new(policy: Policy, replay: &Replay<'_>) -> Self {
+        match policy {
+            Policy::Sequence(oppo) => Self::Sequence(oppo),
+            Policy::Mlp(actor) => Self::Network(NetworkPolicy {
+                actor,
+                shift: replay.shift().to_vec(),
+                scale: replay.scale().to_vec(),
+            }),
         }
     }
 }
@@ -54,7 +63,9 @@ pub fn learn(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPol
 
 /// The same for runs that learn alike.
 fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPolicy, TrainError>> {
-    let mut learner = match learner(lanes) {
+    let replays: Vec<_> = lanes.iter().map(|lane| lane.replay()).collect();
+    let replays: Vec<_> = replays.iter().collect();
+    let mut learner = match learner(lanes, &replays) {
         Ok(learner) => learner,
         Err(error) if lanes.len() == 1 => return vec![Err(RunError::from(error).into())],
         // It is told of the one that it belongs to.
@@ -67,12 +78,6 @@ fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPoli
     let count = lanes.len() as u64;
     let progress = watch.updates(algorithm.steps() * count);
     progress.skip(learner.step() * count);
-    let replays: Vec<_> = lanes.iter().map(|lane| lane.replay()).collect();
-    let replays: Vec<_> = replays.iter().collect();
-    let streams: Vec<_> = lanes
-        .iter()
-        .map(|lane| algorithm.stream(lane.root()))
-        .collect();
 
     let ends: Vec<Result<(), TrainError>> = thread::scope(|scope| {
         let mut journals: Vec<_> = lanes
@@ -84,12 +89,7 @@ fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPoli
             if going_on == 0 || interrupt::requested() {
                 break;
             }
-            let (at, size) = (learner.step(), algorithm.batch());
-            let batches = replays.par_iter().zip(&streams);
-            let batches = batches.map(|(replay, stream)| replay.batch(*stream, at, size));
-            let batch = Batch::of_lanes(batches.collect());
-            learner.prepare(&replays);
-            let losses = learner.update(&batch);
+            let losses = learner.update(&replays);
             progress.advance(going_on as u64);
             let step = learner.step();
             if !journals.iter().flatten().any(|it| it.is_due(step)) {
@@ -113,22 +113,21 @@ fn together(lanes: &[&Prepared<'_>], watch: Watch<'_>) -> Vec<Result<LearnedPoli
         .collect()
     });
     progress.finish();
-    let learned = ends.into_iter().zip(learner.actors()).zip(&replays);
+    let learned = ends.into_iter().zip(learner.policies()).zip(&replays);
     learned
-        .map(|((end, actor), replay)| end.map(|()| LearnedPolicy::new(actor, replay)))
+        .map(|((end, policy), replay)| end.map(|()| LearnedPolicy::new(policy, replay)))
         .collect()
 }
 
 /// A lane for each run, as far as it has come.
-fn learner(lanes: &[&Prepared<'_>]) -> Result<Box<dyn Learner>, ForeignCheckpoint> {
+fn learner(
+    lanes: &[&Prepared<'_>],
+    replays: &[&Replay<'_>],
+) -> Result<Box<dyn Learner>, ForeignCheckpoint> {
     let first = lanes[0];
     let roots: Vec<_> = lanes.iter().map(|lane| lane.root()).collect();
-    let mut learner = first.config.algorithm.learner(
-        first.dataset.observation_dim(),
-        first.dataset.action_dim(),
-        &roots,
-        first.config.backend,
-    );
+    let config = first.config;
+    let mut learner = config.algorithm.learner(replays, &roots, config.backend);
     // Before the first update a fresh lane is what was saved, and one that was never saved is fresh.
     if first.step() > 0 {
         let saved: Vec<&Checkpoint> = lanes.iter().flat_map(|lane| &lane.saved).collect();

@@ -10,12 +10,12 @@ use crate::dataset::Dataset;
 use crate::filter::Kept;
 use crate::preferences::Teacher;
 use crate::rng::Seed;
-use crate::run::{Checkpoint, RunFolder};
+use crate::run::{Checkpoint, Clock, RunFolder};
 use crate::ted::Discounted;
 
 use super::offline::LearnedPolicy;
 use super::rewards::{self, Rewards};
-use super::{FinishedRun, TrainError, check};
+use super::{Finished, FinishedRun, TrainError, check};
 
 /// A run that has nothing left to do but to learn a policy.
 pub struct Prepared<'a> {
@@ -24,6 +24,7 @@ pub struct Prepared<'a> {
     pub(super) folder: &'a RunFolder,
     /// The updates that were made and saved before.
     pub(super) saved: Option<Checkpoint>,
+    pub(super) clock: Clock,
     rewards: Rewards,
     ted: Option<TedDiscount>,
     kept: Kept,
@@ -44,7 +45,20 @@ impl<'a> Prepared<'a> {
         audience: Audience,
     ) -> Result<Self, TrainError> {
         check(dataset, config)?;
+        let clock = Clock::start(folder);
+        let prepared = Self::phases(dataset, config, folder, teacher, clock, audience);
+        clock.note(folder)?;
+        prepared
+    }
 
+    fn phases(
+        dataset: &'a Dataset,
+        config: &'a Config,
+        folder: &'a RunFolder,
+        teacher: &mut dyn Teacher,
+        clock: Clock,
+        audience: Audience,
+    ) -> Result<Self, TrainError> {
         // Phase 1 and 2: a reward for each transition.
         let root = Seed::root(config.seed);
         let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
@@ -59,6 +73,7 @@ impl<'a> Prepared<'a> {
             config,
             folder,
             saved: folder.newest_checkpoint(config, audience),
+            clock,
             rewards,
             ted,
             kept,
@@ -66,11 +81,22 @@ impl<'a> Prepared<'a> {
         })
     }
 
-    /// Writes the artefact of the policy that was learned.
+    /// Writes the artefact of the policy that was learned, if a controller can fly it.
     ///
     /// # Errors
     /// When the controller could not run it, or the disk fails.
-    pub fn finish(self, policy: LearnedPolicy) -> Result<(), TrainError> {
+    pub fn finish(self, policy: LearnedPolicy) -> Result<Finished, TrainError> {
+        let (clock, folder) = (self.clock, self.folder);
+        let finished = self.export(policy)?;
+        clock.note(folder)?;
+        Ok(finished)
+    }
+
+    fn export(self, policy: LearnedPolicy) -> Result<Finished, TrainError> {
+        let policy = match policy {
+            LearnedPolicy::Network(policy) => policy,
+            LearnedPolicy::Sequence(oppo) => return Ok(Finished::Sequence(oppo)),
+        };
         let run = FinishedRun {
             config: self.config.clone(),
             policy,
@@ -78,7 +104,7 @@ impl<'a> Prepared<'a> {
             ted: self.ted,
         };
         run.artefact(self.dataset)?.write(self.folder)?;
-        Ok(())
+        Ok(Finished::Artefact(self.folder.artefact_path()))
     }
 
     /// The seed of everything random in the run.
@@ -89,7 +115,9 @@ impl<'a> Prepared<'a> {
     /// What the policy is learned from.
     pub(super) fn replay(&self) -> Replay<'a> {
         let Discounted { rewards, discounts } = self.discounted.clone();
-        Replay::new(self.dataset, rewards, discounts).keep(self.kept.clone())
+        Replay::new(self.dataset, rewards, discounts)
+            .keep(self.kept.clone())
+            .answered(self.rewards.answers.clone())
     }
 
     /// Updates that it goes on from.

@@ -1,15 +1,16 @@
-//! Phases 1 and 2: learn the reward if the run has one to learn, and label the dataset.
+//! Phases 1 and 2: ask, learn the reward if the run has one to learn, and label the dataset.
 
 use firmware_sim::progress::Audience;
 use serde::{Deserialize, Serialize};
 use ted_core::RewardRange;
 use ted_policy::Digest;
 
+use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::ExportError;
 use crate::preferences::Teacher;
-use crate::reward::oprl::{ExportedEnsemble, Fit, HeldOut};
+use crate::reward::oprl::{ExportedEnsemble, Fit, HeldOut, LabelledPair};
 use crate::reward::quality::RewardQuality;
 use crate::reward::transport::transport_labels;
 use crate::reward::{
@@ -20,6 +21,7 @@ use crate::rng::Seed;
 use crate::run::RunFolder;
 
 use super::TrainError;
+use super::answers::Answers;
 use super::model::{self, Facts, RewardModel};
 
 /// What `reward.json` says.
@@ -44,6 +46,8 @@ pub struct RewardReport {
 pub(super) struct Rewards {
     pub labels: Labels,
     pub ensemble: Option<ExportedEnsemble>,
+    /// Answers that the policy itself is learned from.
+    pub answers: Vec<LabelledPair>,
     pub preferences_digest: Option<Digest>,
 }
 
@@ -56,9 +60,13 @@ pub(super) fn rewards(
     root: Seed,
     audience: Audience,
 ) -> Result<Rewards, TrainError> {
-    let (rewards, facts) = label(dataset, config, root, audience, || {
+    let (mut rewards, mut facts) = label(dataset, config, root, audience, || {
         model::learned(dataset, config, folder, teacher, root, audience)
     })?;
+    if let AlgorithmConfig::Oppo(oppo) = &config.algorithm {
+        (rewards.answers, facts) =
+            Answers::of_a_policy(oppo, dataset, folder, teacher, root, audience)?;
+    }
     let report = RewardReport {
         queries: facts.queries,
         fits: facts.fits,
@@ -69,7 +77,7 @@ pub(super) fn rewards(
         quality: RewardQuality::measure(dataset, &rewards.labels),
     };
     folder.write_json("reward.json", &report)?;
-    if report.queries > 0 {
+    if config.reward.asks() {
         audience.note(&format!(
             "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
              Pearson {:+.2} over transitions",
@@ -136,6 +144,7 @@ fn label(
     let rewards = Rewards {
         labels,
         ensemble,
+        answers: Vec::new(),
         preferences_digest,
     };
     Ok((rewards, facts))

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use firmware_sim::progress::Audience;
 use ted_train::config::{Overrides, Preset};
-use ted_train::fleet::{Datasets, Lane, LaneError, Trained, together};
+use ted_train::fleet::{Datasets, Lane, LaneError, Trained, introduce, together};
 use ted_train::train::TrainError;
 
 use crate::command::{Desk, SMALL, assert_same_outcome, checkpoints};
@@ -23,6 +23,7 @@ fn lane(desk: &Desk, folder: &str, preset: Preset, seed: u64, sets: &[&str]) -> 
         config: changes.resolve(Some(preset), Some(seed)).unwrap(),
         folder: desk.run(folder),
         answers: None,
+        siblings: Vec::new(),
     }
 }
 
@@ -160,4 +161,107 @@ fn a_run_goes_on_alone_or_in_other_company_than_it_began_in() {
     for lane in [first, second, third] {
         assert_same_outcome(&lane.folder, &alone(&desk, &lane));
     }
+}
+
+#[test]
+fn a_reward_that_takes_long_is_taken_from_a_run_that_has_learned_the_same_and_from_no_other() {
+    let desk = Desk::with_dataset();
+    let sets = [
+        "algorithm.steps=5",
+        "reward.queries=3",
+        "reward.segment=10",
+        "reward.width=8",
+        "reward.heads=2",
+        "reward.held_out=20",
+    ];
+    let lane = |folder: &str, preset, seed, steps: &str| {
+        let plain = lane(&desk, folder, preset, seed, &[]);
+        let all = sets.iter().copied().chain([steps]);
+        let small = SMALL.into_iter().filter(|set| !set.starts_with("reward."));
+        let changes = small.chain(all);
+        let changes = changes.fold(Overrides::default(), |all, set| all.set(set).unwrap());
+        Lane {
+            config: changes.resolve(Some(preset), Some(seed)).unwrap(),
+            ..plain
+        }
+    };
+    let state = |folder: &Path| fs::read(folder.join("reward.state")).unwrap();
+    let make = |lane: &Lane| batch(&[lane]).swap_remove(0).unwrap();
+
+    let first = lane("pt", Preset::Pt, 0, "reward.steps=6");
+    make(&first);
+    // So that what is taken from there can be told from what is learned here.
+    let marked = lane("marked", Preset::Pt, 0, "reward.steps=7");
+    make(&marked);
+    let honest = state(&first.folder);
+    fs::copy(
+        marked.folder.join("reward.state"),
+        first.folder.join("reward.state"),
+    )
+    .unwrap();
+    assert_ne!(state(&first.folder), honest);
+
+    let of_family = |folder: &str, seed, steps| {
+        let plain = lane(folder, Preset::PtTed, seed, steps);
+        let family = introduce(vec![first.clone(), plain]);
+        family.into_iter().next_back().unwrap()
+    };
+    let same = of_family("same", 0, "reward.steps=6");
+    assert_eq!(same.siblings, std::slice::from_ref(&first.folder));
+    make(&same);
+    assert_eq!(state(&same.folder), state(&marked.folder));
+    for (folder, seed, steps) in [
+        ("seed", 1, "reward.steps=6"),
+        ("steps", 0, "reward.steps=8"),
+    ] {
+        let mut other = of_family(folder, seed, steps);
+        assert!(other.siblings.is_empty());
+        // Even if somebody says that they are.
+        other.siblings = vec![first.folder.clone()];
+        make(&other);
+        assert_eq!(
+            state(&other.folder),
+            state(&alone(
+                &desk,
+                &Lane {
+                    siblings: Vec::new(),
+                    ..other.clone()
+                }
+            ))
+        );
+    }
+}
+
+#[test]
+fn what_takes_long_is_learned_once_before_everything_that_needs_it() {
+    let desk = Desk::with_dataset();
+    let lanes = [
+        ("a", Preset::Pt, 0),
+        ("b", Preset::PtTed, 0),
+        ("c", Preset::True, 0),
+        ("d", Preset::Pt, 1),
+        ("e", Preset::OprlI, 0),
+        ("f", Preset::OprlITed, 0),
+    ];
+    let lanes = lanes.map(|(folder, preset, seed)| Lane {
+        dataset: desk.dataset(),
+        config: Overrides::default()
+            .resolve(Some(preset), Some(seed))
+            .unwrap(),
+        folder: desk.run(folder),
+        answers: None,
+        siblings: Vec::new(),
+    });
+    let lanes = introduce(lanes.to_vec());
+    let order: Vec<_> = lanes.iter().map(|lane| lane.folder.clone()).collect();
+    assert_eq!(
+        order,
+        ["a", "c", "d", "e", "f", "b"].map(|folder| desk.run(folder))
+    );
+    let siblings = |place: usize| lanes[place].siblings.as_slice();
+    assert_eq!(
+        (siblings(0), siblings(5)),
+        (&[desk.run("b")][..], &[desk.run("a")][..])
+    );
+    assert!((1..5).all(|place| siblings(place).is_empty()));
 }

@@ -86,6 +86,8 @@ impl Desk {
 
     pub fn train_on(&self, dataset: &Path, out: &str, preset: &str, sets: &[&str]) -> Command {
         let learns = preset.starts_with("oprl");
+        // Its networks have no hidden layers, and its shape is the test's choice.
+        let layers = preset != "oppo";
         let mut command = ted();
         command
             .current_dir(self.folder.path())
@@ -93,7 +95,7 @@ impl Desk {
             .arg(dataset)
             .args(["--preset", preset, "--out", out]);
         for set in SMALL.iter().chain(sets) {
-            if learns || !set.starts_with("reward.") {
+            if (learns || !set.starts_with("reward.")) && (layers || !set.contains(".hidden=")) {
                 command.args(["--set", set]);
             }
         }
@@ -165,11 +167,11 @@ pub fn checkpoints(run: &Path) -> Vec<PathBuf> {
 
 /// What a run is judged by: everything that does not hold a path or a clock.
 pub fn outcome(run: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files: Vec<String> = ["policy.ted", "metrics.jsonl", "config.toml", "reward.json"]
+    let mut files: Vec<String> = ["metrics.jsonl", "config.toml", "reward.json"]
         .map(str::to_owned)
         .to_vec();
     files.extend(
-        ["preferences.jsonl", "reward.state"]
+        ["policy.ted", "preferences.jsonl", "reward.state"]
             .into_iter()
             .filter(|name| run.join(name).exists())
             .map(str::to_owned),

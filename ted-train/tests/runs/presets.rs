@@ -19,6 +19,17 @@ const TRANSFORMER: [&str; 7] = [
     "reward.head=per-step",
 ];
 
+/// A sequence policy that learns in a moment.
+const SEQUENCE: [&str; 7] = [
+    "algorithm.queries=3",
+    "algorithm.segment=10",
+    "algorithm.width=8",
+    "algorithm.layers=1",
+    "algorithm.latent=2",
+    "algorithm.batch=4",
+    "algorithm.warmup=5",
+];
+
 fn listed() -> Vec<Value> {
     let list = finish(ted().args(["train", "--preset", "list", "--json"])).with(0);
     serde_json::from_str(&list.said).unwrap()
@@ -48,7 +59,8 @@ fn the_list_says_of_every_preset_what_it_is_for_and_where_it_comes_from() {
 }
 
 #[test]
-fn every_preset_trains_goes_on_to_the_same_bytes_and_leaves_an_artefact() {
+fn every_preset_trains_and_goes_on_to_the_same_bytes_and_what_a_controller_can_fly_leaves_an_artefact()
+ {
     let desk = Desk::with_dataset();
     for row in listed() {
         let preset = row["preset"].as_str().unwrap();
@@ -57,6 +69,7 @@ fn every_preset_trains_goes_on_to_the_same_bytes_and_leaves_an_artefact() {
         match row["algorithm"].as_str().unwrap() {
             "atac" => sets.push("algorithm.warm_start=10"),
             "awr" => sets.extend(["algorithm.critic_steps=5", "algorithm.actor_steps=5"]),
+            "oppo" => sets.extend(SEQUENCE),
             _ => {}
         }
         let straight = desk.run(&format!("{preset}-straight"));
@@ -77,13 +90,48 @@ fn every_preset_trains_goes_on_to_the_same_bytes_and_leaves_an_artefact() {
         train(&resumed);
         // As if it had been killed between its last two checkpoints.
         fs::remove_file(checkpoints(&resumed).pop().unwrap()).unwrap();
-        fs::remove_file(resumed.join("policy.ted")).unwrap();
+        let flies = row["algorithm"] != "oppo";
+        assert_eq!(resumed.join("policy.ted").exists(), flies, "{preset}");
+        if flies {
+            fs::remove_file(resumed.join("policy.ted")).unwrap();
+        }
         train(&resumed);
         assert_same_outcome(&straight, &resumed);
-
+        if !flies {
+            continue;
+        }
         let bytes = ArtifactBytes::read(straight.join("policy.ted")).unwrap();
         Artifact::parse(&bytes).unwrap();
     }
+}
+
+#[test]
+fn a_policy_that_no_controller_can_fly_is_refused_where_an_artefact_is_asked_for() {
+    let desk = Desk::with_dataset();
+    let trained = finish(&mut desk.train("run", "oppo", &SEQUENCE)).with(0);
+    assert_eq!(trained.said.trim(), "run", "{trained:?}");
+    let said = finish(desk.train("run", "oppo", &SEQUENCE).arg("--json")).with(0);
+    let said: Value = serde_json::from_str(&said.said).unwrap();
+    assert!(said["artefact"].is_null() && said["run"] == "run", "{said}");
+    let run = desk.run("run");
+    for arguments in [
+        &["export"][..],
+        &["crosscheck"],
+        &["eval", "--replay"],
+        &["inspect"],
+    ] {
+        let (command, flags) = arguments.split_first().unwrap();
+        let ended = finish(ted().arg(command).arg(&run).args(flags));
+        match *command {
+            "inspect" => ended.with(0),
+            _ => ended
+                .with(3)
+                .telling("there is no artefact to export or to fly"),
+        };
+    }
+    finish(ted().arg("eval").arg(&run).args(["--numeric", "integer"]))
+        .with(2)
+        .telling("no integer networks");
 }
 
 #[test]
@@ -133,6 +181,23 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
             "less than algorithm.steps",
         ),
         (
+            "oppo",
+            "filter={keep=\"top-true\", k=50.0}",
+            "oppo looks at clips of all episodes",
+        ),
+        (
+            "oppo",
+            "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=0.7}",
+            "oppo looks at no discount",
+        ),
+        (
+            "oppo",
+            "reward={source=\"zero\"}",
+            "oppo looks at no reward",
+        ),
+        ("oppo", "algorithm.width=9", "a multiple of algorithm.heads"),
+        ("oppo", "algorithm.segment=31", "ask for shorter segments"),
+        (
             "pt",
             "reward.width=9",
             "at least 2 and a multiple of reward.heads",
@@ -167,13 +232,28 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
     }
 }
 
+/// The log with another first answer.
+fn contrary(log: &str) -> String {
+    let at = log.find("\"answer\":").unwrap() + "\"answer\":".len();
+    let end = at + log[at..].find(',').unwrap();
+    let other = match log[at..end].parse::<f64>().unwrap() {
+        0.0 => "1",
+        _ => "0",
+    };
+    format!("{}{other}{}", &log[..at], &log[end..])
+}
+
 #[test]
 fn answers_are_neither_passed_over_nor_changed_behind_a_learned_reward() {
     let desk = Desk::with_dataset();
-    for preset in ["oprl-i", "pt"] {
+    for preset in ["oprl-i", "pt", "oppo"] {
         let train = || {
             let mut command = desk.train(preset, preset, &["algorithm.steps=20"]);
-            let sets: &[&str] = if preset == "pt" { &TRANSFORMER } else { &[] };
+            let sets: &[&str] = match preset {
+                "pt" => &TRANSFORMER,
+                "oppo" => &SEQUENCE,
+                _ => &[],
+            };
             for set in sets {
                 command.args(["--set", set]);
             }
@@ -182,8 +262,7 @@ fn answers_are_neither_passed_over_nor_changed_behind_a_learned_reward() {
         finish(&mut train()).with(0);
         let answers = desk.run(preset).join("preferences.jsonl");
         let given = fs::read_to_string(&answers).unwrap();
-        let (first, _) = given.split_at(given.find('\n').unwrap() + 1);
-        fs::write(&answers, first).unwrap();
+        fs::write(&answers, contrary(&given)).unwrap();
         let refused = finish(&mut train()).telling("learned from other answers");
         assert_ne!(refused.code, Some(0));
         fs::write(&answers, &given).unwrap();

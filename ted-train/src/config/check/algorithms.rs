@@ -5,8 +5,10 @@ use crate::algorithm::atac::AtacConfig;
 use crate::algorithm::awr::AwrConfig;
 use crate::algorithm::bc::BcConfig;
 use crate::algorithm::iql::IqlConfig;
+use crate::algorithm::oppo::OppoConfig;
 use crate::config::ConfigError;
-use crate::config::ranges::{adam, at_least_one, positive, widths, within};
+use crate::config::ranges::{adam, as_written, at_least_one, positive, widths, within};
+use crate::nn::AdamW;
 
 pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
     at_least_one("algorithm.steps", config.steps() as f64)?;
@@ -16,6 +18,7 @@ pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
         AlgorithmConfig::Atac(config) => atac(config),
         AlgorithmConfig::Awr(config) => awr(config),
         AlgorithmConfig::Bc(config) => bc(config),
+        AlgorithmConfig::Oppo(config) => oppo(config),
     }
 }
 
@@ -105,6 +108,43 @@ fn bc(config: &BcConfig) -> Result<(), ConfigError> {
     positive("algorithm.learning_rate", config.learning_rate)?;
     adam(ADAM, config.adam)?;
     widths("algorithm.hidden", &config.hidden)
+}
+
+fn oppo(config: &OppoConfig) -> Result<(), ConfigError> {
+    at_least_one("algorithm.queries", config.queries as f64)?;
+    at_least_one("algorithm.segment", config.segment.into())?;
+    at_least_one("algorithm.layers", config.layers as f64)?;
+    at_least_one("algorithm.heads", config.heads as f64)?;
+    let (width, heads) = (config.width, config.heads);
+    let holds = width >= 1 && width.is_multiple_of(heads);
+    let range = "a multiple of algorithm.heads";
+    within("algorithm.width", width as f64, holds, range)?;
+    at_least_one("algorithm.latent", config.latent as f64)?;
+    let dropout = config.dropout;
+    let holds = (0.0..1.0).contains(&dropout);
+    within("algorithm.dropout", dropout, holds, "in [0, 1)")?;
+    positive("algorithm.learning_rate", config.learning_rate)?;
+    positive("algorithm.latent_rate", config.latent_rate)?;
+    positive("algorithm.clip", as_written(config.clip))?;
+    let at_least_zero = |field, value: f64| {
+        let holds = value >= 0.0 && value.is_finite();
+        within(field, value, holds, "in [0, inf)")
+    };
+    at_least_zero("algorithm.preference_weight", config.preference_weight)?;
+    at_least_zero("algorithm.norm_weight", config.norm_weight)?;
+    at_least_zero("algorithm.margin", as_written(config.margin))?;
+    at_least_zero("algorithm.noise", as_written(config.noise))?;
+    let AdamW {
+        adam: constants,
+        weight_decay,
+    } = config.adamw;
+    at_least_zero("algorithm.adamw.weight_decay", weight_decay)?;
+    let fields = [
+        "algorithm.adamw.adam.beta1",
+        "algorithm.adamw.adam.beta2",
+        "algorithm.adamw.adam.epsilon",
+    ];
+    adam(fields, constants)
 }
 
 fn target_rate(rate: f64) -> Result<(), ConfigError> {

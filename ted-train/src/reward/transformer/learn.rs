@@ -1,4 +1,4 @@
-//! The procedure: ask about random pairs, then train on all of them at once.
+//! The procedure: train on all answers at once.
 
 use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
@@ -7,8 +7,6 @@ use firmware_sim::progress::Audience;
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::transformer::Dropout;
-use crate::preferences::{PreferenceError, PreferenceLog, Teacher};
-use crate::reward::ask_random_pairs;
 use crate::reward::oprl::{Fit, HeldOut, LabelledPair, random_pair};
 use crate::rng::Seed;
 use crate::run::{Checkpoint, ForeignCheckpoint};
@@ -31,12 +29,6 @@ pub struct Learned {
 /// Why no transformer was learned.
 #[derive(Debug, thiserror::Error)]
 pub enum LearnError {
-    /// The dataset has no segment of the length asked for.
-    #[error(transparent)]
-    Segment(#[from] SegmentError),
-    /// An answer could not be had or kept.
-    #[error(transparent)]
-    Preference(#[from] PreferenceError),
     /// The saved state is of another transformer.
     #[error(transparent)]
     Foreign(#[from] ForeignCheckpoint),
@@ -56,34 +48,29 @@ pub enum LearnError {
     Interrupted,
 }
 
-/// Learns from exactly `queries` answers, each appended to `log` before it is used. Goes on from `saved`, the state that was
-/// last given to `save` beside the digest of the answers, with the bits of a training that was never stopped.
+/// Learns from these answers. Goes on from `saved`, the state that was last given to `save`, with the bits of a training that
+/// was never stopped.
 ///
 /// # Errors
-/// When the dataset has no segment that long, the teacher, the log or `save` fails, the saved state does not fit, a loss is
-/// not finite, or somebody asks to stop.
+/// When `save` fails, the saved state does not fit, a loss is not finite, or somebody asks to stop.
 #[expect(
     clippy::too_many_arguments,
-    reason = "what is learned from, by whom, and where it is kept"
+    reason = "what is learned from, with what, and where it is kept"
 )]
 pub fn learn(
     config: &PtConfig,
     dataset: &Dataset,
-    teacher: &mut dyn Teacher,
-    log: &mut PreferenceLog,
+    pairs: &[LabelledPair],
     seed: Seed,
     backend: Backend,
     saved: Option<&Checkpoint>,
-    save: &mut dyn FnMut(&str, &Checkpoint) -> Result<(), WriteError>,
+    save: &mut dyn FnMut(Checkpoint) -> Result<(), WriteError>,
     audience: Audience,
 ) -> Result<Learned, LearnError> {
-    let sampler = SegmentSampler::new(dataset, config.segment)?;
-    let pairs = ask_random_pairs(config.queries, dataset, &sampler, teacher, log, seed)?;
-    let answers = log.digest()?;
     let statistics = dataset.observation_statistics();
     let actions = dataset.action_dim();
     let transformer = RewardTransformer::new(config, &statistics, actions, seed, backend);
-    let mut training = Training::new(config, transformer, dataset, &pairs, seed);
+    let mut training = Training::new(config, transformer, dataset, pairs, seed);
     if let Some(saved) = saved {
         training.restore(saved)?;
     }
@@ -99,7 +86,7 @@ pub fn learn(
         progress.advance(1);
         let stop = interrupt::requested();
         if stop || training.step.is_multiple_of(SAVE_EVERY) {
-            save(&answers, &training.checkpoint())?;
+            save(training.checkpoint())?;
             progress.message(&format!("loss {loss:.3}"));
         }
         if stop {

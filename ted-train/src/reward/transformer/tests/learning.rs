@@ -1,11 +1,12 @@
-//! What training does, what it asks, and that a stopped training goes on to the bit.
+//! What training does, and that a stopped training goes on to the bit.
 
 use firmware_sim::progress::Audience;
 
-use crate::dataset::{Dataset, Segment};
+use crate::dataset::{Dataset, Segment, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::fixtures::bits;
-use crate::preferences::{Context, PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
+use crate::preferences::{PreferenceLog, ScriptedTeacher};
+use crate::reward::ask_random_pairs;
 use crate::reward::oprl::LabelledPair;
 use crate::reward::transformer::training::Training;
 use crate::reward::transformer::{
@@ -16,23 +17,25 @@ use crate::run::Checkpoint;
 
 use super::{HEADS, SEGMENT, SHAPE, config, dataset, transformer};
 
+fn answers(config: &PtConfig, dataset: &Dataset) -> Vec<LabelledPair> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), dataset).unwrap();
+    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let sampler = SegmentSampler::new(dataset, SEGMENT).unwrap();
+    let (queries, seed) = (config.queries, Seed::root(3));
+    ask_random_pairs(queries, dataset, &sampler, &mut teacher, &mut log, seed).unwrap()
+}
+
 fn run(
     config: &PtConfig,
     dataset: &Dataset,
-    teacher: &mut dyn Teacher,
-    log: &mut PreferenceLog,
+    pairs: &[LabelledPair],
     backend: Backend,
+    saved: Option<&Checkpoint>,
 ) -> Learned {
     let (seed, audience) = (Seed::root(3), Audience::Nobody);
-    let save = &mut |_: &str, _: &Checkpoint| Ok(());
-    learn(
-        config, dataset, teacher, log, seed, backend, None, save, audience,
-    )
-    .unwrap()
-}
-
-fn open(folder: &tempfile::TempDir, dataset: &Dataset) -> PreferenceLog {
-    PreferenceLog::open(folder.path().join("log.jsonl"), dataset).unwrap()
+    let save = &mut |_| Ok(());
+    learn(config, dataset, pairs, seed, backend, saved, save, audience).unwrap()
 }
 
 #[test]
@@ -46,10 +49,8 @@ fn with_many_answers_clips_are_ordered_that_nobody_was_asked_about() {
             ..config(head)
         };
         for backend in [Backend::Flex, Backend::Ndarray] {
-            let folder = tempfile::tempdir().unwrap();
-            let mut log = open(&folder, &dataset);
-            let mut teacher = ScriptedTeacher::new(0.0).unwrap();
-            let learned = run(&config, &dataset, &mut teacher, &mut log, backend);
+            let pairs = answers(&config, &dataset);
+            let learned = run(&config, &dataset, &pairs, backend, None);
             assert!(learned.fit.agreement > 0.95, "{head:?}: {:?}", learned.fit);
             let agreement = |transformer: &super::RewardTransformer| {
                 held_out_agreement(&config, transformer, &dataset, Seed::root(3)).unwrap()
@@ -63,48 +64,14 @@ fn with_many_answers_clips_are_ordered_that_nobody_was_asked_about() {
 }
 
 #[test]
-fn ten_random_pairs_are_asked_about_and_the_log_alone_replays_the_run_to_the_bit() {
-    let dataset = dataset();
-    let config = config(HEADS[1]);
-    let labels = |folder: &tempfile::TempDir, teacher: &mut dyn Teacher| {
-        let mut log = open(folder, &dataset);
-        let learned = run(&config, &dataset, teacher, &mut log, Backend::Flex);
-        let labels = transformer_labels(&dataset, &learned.transformer, Audience::Nobody);
-        (log.entries().to_vec(), bits(&labels.unwrap()))
-    };
-    let [first, second] = [(); 2].map(|()| tempfile::tempdir().unwrap());
-    let (asked, expected) = labels(&first, &mut ScriptedTeacher::new(0.0).unwrap());
-    assert_eq!(asked.len(), 10);
-    let shared = Context {
-        round: 0,
-        member: None,
-    };
-    assert!(asked.iter().all(|entry| entry.context == shared));
-    let path = first.path().join("log.jsonl");
-    let (replayed, actual) = labels(&second, &mut ReplayTeacher::open(path, &dataset).unwrap());
-    assert_eq!(replayed, asked);
-    assert_eq!(actual, expected);
-}
-
-#[test]
 fn a_restored_training_goes_on_to_the_bit() {
     let dataset = dataset();
     for head in HEADS {
         let config = config(head);
-        let folder = tempfile::tempdir().unwrap();
-        let mut log = open(&folder, &dataset);
-        let mut teacher = ScriptedTeacher::new(0.0).unwrap();
-        let whole = run(&config, &dataset, &mut teacher, &mut log, Backend::Flex);
+        let pairs = answers(&config, &dataset);
+        let whole = run(&config, &dataset, &pairs, Backend::Flex, None);
 
         // The same by hand, stopped after 23 steps.
-        let pairs: Vec<_> = log
-            .entries()
-            .iter()
-            .map(|entry| LabelledPair {
-                segments: entry.query.segments,
-                label: entry.answer.label(),
-            })
-            .collect();
         let statistics = dataset.observation_statistics();
         let fresh = |seed| {
             let transformer = super::RewardTransformer::new(
@@ -126,20 +93,7 @@ fn a_restored_training_goes_on_to_the_bit() {
         assert_eq!(other_weights.checkpoint(), saved);
         drop(other_weights);
 
-        let teacher = &mut ReplayTeacher::open(folder.path().join("log.jsonl"), &dataset).unwrap();
-        let again = tempfile::tempdir().unwrap();
-        let resumed = learn(
-            &config,
-            &dataset,
-            teacher,
-            &mut open(&again, &dataset),
-            Seed::root(3),
-            Backend::Flex,
-            Some(&saved),
-            &mut |_, _| Ok(()),
-            Audience::Nobody,
-        )
-        .unwrap();
+        let resumed = run(&config, &dataset, &pairs, Backend::Flex, Some(&saved));
         let labels = |learned: &Learned| {
             bits(&transformer_labels(&dataset, &learned.transformer, Audience::Nobody).unwrap())
         };

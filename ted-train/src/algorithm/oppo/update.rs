@@ -2,8 +2,9 @@
 
 use burn::tensor::{Tensor, TensorData};
 use rand::Rng;
+use serde::Serialize;
 
-use crate::dataset::{Dataset, Segment, SegmentSampler};
+use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::transformer::Dropout;
 use crate::nn::{AdamWState, Backend};
 use crate::reward::oprl::{InputScaling, LabelledPair};
@@ -28,30 +29,38 @@ pub struct Oppo {
     pub(super) steps: [u64; 2],
     pub(super) step: u64,
     pub(super) inputs: Inputs,
+    sampler: SegmentSampler,
     shift: Vec<f32>,
     scale: Vec<f32>,
     pub(super) backend: Backend,
     seed: Seed,
 }
 
-/// Losses of an update, before it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Losses of an update's second part, which every update has, before the encoder moved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UpdateLosses {
-    /// How well the policy continues clips of the dataset; 0 in updates that leave it alone.
-    pub reconstruction: f32,
+    /// How well the policy continues the labelled clips, from their own latents.
+    pub reconstruction_loss: f32,
     /// How well the latents of the labelled clips are ordered by their distance to the latent.
-    pub preference: f32,
+    pub preference_loss: f32,
     /// How far the labelled clips' latents are longer than 1.
-    pub norm: f32,
+    pub norm_loss: f32,
 }
 
 impl Oppo {
     /// Fresh networks and a latent from N(0, 1), each from a stream of its own.
     ///
+    /// # Errors
+    /// When the dataset has no clip of the length asked for.
+    ///
     /// # Panics
     /// When the width is no multiple of the heads, which the check of a configuration refuses.
-    #[must_use]
-    pub fn new(config: &OppoConfig, dataset: &Dataset, seed: Seed, backend: Backend) -> Self {
+    pub fn new(
+        config: &OppoConfig,
+        dataset: &Dataset,
+        seed: Seed,
+        backend: Backend,
+    ) -> Result<Self, SegmentError> {
         assert!(
             config.width.is_multiple_of(config.heads),
             "heads share the width equally"
@@ -68,7 +77,8 @@ impl Oppo {
         // The original adds 1e-6 to the deviation; a floor does the same and is what rewards use.
         let scaling = InputScaling::Standard { floor: 1e-3 };
         let [shift, scale] = scaling.shift_and_scale(&dataset.observation_statistics());
-        Self {
+        Ok(Self {
+            sampler: SegmentSampler::new(dataset, config.segment)?,
             encoder_adam: AdamWState::new(encoder.tensors()),
             policy_adam: AdamWState::new(policy.tensors()),
             latent_adam: AdamWState::new(vec![&mut latent]),
@@ -83,7 +93,7 @@ impl Oppo {
             scale,
             backend,
             seed,
-        }
+        })
     }
 
     /// Updates made.
@@ -94,24 +104,17 @@ impl Oppo {
 
     /// One update: the policy and the encoder continue clips of the dataset, the encoder orders the labelled ones, and the
     /// latent moves to where the better ones are.
-    pub fn update(
-        &mut self,
-        dataset: &Dataset,
-        sampler: &SegmentSampler,
-        pairs: &[LabelledPair],
-    ) -> UpdateLosses {
-        let mut losses = UpdateLosses::default();
+    pub fn update(&mut self, dataset: &Dataset, pairs: &[LabelledPair]) -> UpdateLosses {
         if self.step.is_multiple_of(2) {
             let mut rng = self.seed.child("batch").rng_at(self.step);
             let batch: Vec<Segment> = (0..self.config.batch)
-                .map(|_| sampler.sample(&mut rng))
+                .map(|_| self.sampler.sample(&mut rng))
                 .collect();
             let clips = self.clips(dataset, &batch);
             let noisy = self.noisy(&clips);
             let (z, encoded) = self.encoder.forward(&clips, &self.dropout("clips"));
             let (prediction, tape) = self.policy.forward(z, &noisy, &self.dropout("policy"));
-            let (loss, d) = reconstruction(prediction, &clips);
-            losses.reconstruction = loss;
+            let (_, d) = reconstruction(prediction, &clips);
             let (policy, d_z) = self.policy.backward(tape, d);
             let encoder = self.encoder.backward(encoded, d_z);
             self.step_policy(policy);
@@ -127,9 +130,8 @@ impl Oppo {
         let latents = numbers(&z);
         let preferred = triplet(&anchor, &latents, &labels, self.config.margin);
         let (norm, d_norm) = excess_length(&latents, anchor.len());
-        (losses.preference, losses.norm) = (preferred.loss, norm);
         let (prediction, tape) = self.policy.forward(z, &clips, &self.dropout("judge"));
-        let (_, d) = reconstruction(prediction, &clips);
+        let (reconstruction_loss, d) = reconstruction(prediction, &clips);
         let (_, d_z) = self.policy.backward(tape, d);
         // The original adds the means over the first clips and over the second ones; this is the mean over both.
         let d_z = d_z.mul_scalar(2.0);
@@ -152,7 +154,11 @@ impl Oppo {
             self.config.latent_rate,
             self.step,
         );
-        losses
+        UpdateLosses {
+            reconstruction_loss,
+            preference_loss: preferred.loss,
+            norm_loss: norm,
+        }
     }
 
     /// The segments as the networks see them.

@@ -3,6 +3,7 @@
 mod gradients;
 mod learning;
 mod losses;
+mod pilot;
 
 use crate::dataset::{Dataset, EpisodeRecord, Shape};
 use crate::nn::fixtures::numbers;

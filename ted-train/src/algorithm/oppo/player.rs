@@ -31,6 +31,11 @@ impl<'a> Player<'a> {
         }
     }
 
+    /// Starts another episode.
+    pub fn reset(&mut self) {
+        *self = Self::new(self.oppo);
+    }
+
     /// The action in (-1, 1) for the next observation, from it and the steps before it, as many as a clip has. Episodes
     /// that go on longer than the longest of the dataset keep its last number.
     pub fn act(&mut self, observation_raw: &[f32]) -> Vec<f32> {

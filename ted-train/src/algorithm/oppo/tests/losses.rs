@@ -1,10 +1,10 @@
 //! Each loss by hand, and its gradient by central differences.
 
+use crate::algorithm::oppo::losses::{excess_length, squared_error, triplet};
+use crate::algorithm::oppo::update::clip;
 use crate::nn::Backend;
 use crate::nn::fixtures::{assert_close, numbers, tensor, values, wide};
 use crate::nn::scalar::central_differences;
-use crate::oppo::losses::{excess_length, squared_error, triplet};
-use crate::oppo::update::clip;
 
 #[test]
 fn a_triplet_costs_what_the_better_clip_is_not_nearer_by_the_margin() {

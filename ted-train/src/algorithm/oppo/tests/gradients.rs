@@ -2,13 +2,13 @@
 
 use burn::tensor::Tensor;
 
+use crate::algorithm::oppo::Oppo;
+use crate::algorithm::oppo::losses::squared_error;
+use crate::algorithm::oppo::networks::{Clips, Prediction};
 use crate::dataset::Segment;
 use crate::nn::Backend;
 use crate::nn::fixtures::{assert_close, numbers, tensor, values};
 use crate::nn::transformer::Dropout;
-use crate::oppo::Oppo;
-use crate::oppo::losses::squared_error;
-use crate::oppo::networks::{Clips, Prediction};
 use crate::rng::Seed;
 
 use super::{SEGMENT, config, dataset};
@@ -32,7 +32,7 @@ fn the_gradient_along_a_direction_is_the_difference_of_the_loss() {
     /// Half of the way between the two losses: small against a parameter, large against rounding.
     const H: f32 = 1e-3;
     let dataset = dataset();
-    let oppo = Oppo::new(&config(), &dataset, Seed::root(2), Backend::Flex);
+    let oppo = Oppo::new(&config(), &dataset, Seed::root(2), Backend::Flex).unwrap();
     let clips = [(0, 0), (3, 2), (5, 1)]
         .map(|(episode, start)| Segment::new(&dataset, episode, start, SEGMENT).unwrap());
     let clips = oppo.clips(&dataset, &clips);
@@ -73,7 +73,7 @@ fn the_gradient_along_a_direction_is_the_difference_of_the_loss() {
 #[test]
 fn an_action_is_predicted_without_being_seen_and_from_all_that_came_before() {
     let dataset = dataset();
-    let oppo = Oppo::new(&config(), &dataset, Seed::root(2), Backend::Flex);
+    let oppo = Oppo::new(&config(), &dataset, Seed::root(2), Backend::Flex).unwrap();
     let segment = Segment::new(&dataset, 1, 1, SEGMENT).unwrap();
     let predict = |clips: &Clips| {
         let (prediction, _) = oppo
