@@ -48,7 +48,7 @@ pub trait Losses {
 pub type Metrics = Map<String, Value>;
 
 /// The fields of a struct of numbers.
-pub(super) fn metrics(update: &impl Serialize) -> Metrics {
+pub(crate) fn metrics(update: &impl Serialize) -> Metrics {
     match serde_json::to_value(update) {
         Ok(Value::Object(metrics)) => metrics,
         _ => unreachable!("metrics are plain data"),

@@ -13,6 +13,7 @@ mod replay;
 mod transitions;
 
 pub use batch::Batch;
+pub(crate) use learner::metrics;
 pub use learner::{Learner, Losses, Metrics, Policy};
 pub use replay::Replay;
 

@@ -21,12 +21,12 @@ pub struct EventWriter {
 }
 
 impl EventWriter {
-    /// Starts an event file in a folder. A resumed run starts another one; TensorBoard joins them by step.
+    /// Starts an event file in a folder, under a name that no other one there has; TensorBoard joins them by step.
     ///
     /// # Errors
     /// When the file cannot be created.
-    pub fn create(folder: &Path, step: u64) -> Result<Self, WriteError> {
-        let path = folder.join(format!("events.out.tfevents.{step:010}.ted"));
+    pub fn create(folder: &Path, name: &str) -> Result<Self, WriteError> {
+        let path = folder.join(format!("events.out.tfevents.{name}.ted"));
         let file = OpenOptions::new()
             .write(true)
             .create(true)
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_file_holds_the_version_and_every_number_as_tensorboard_reads_them() {
         let folder = tempfile::tempdir().unwrap();
-        let mut writer = EventWriter::create(folder.path(), 7).unwrap();
+        let mut writer = EventWriter::create(folder.path(), "0000000007").unwrap();
         let row = serde_json::json!({ "phase": "iql", "step": 300, "loss": 0.5 });
         writer.push("iql", 300, row.as_object().unwrap()).unwrap();
         let path = folder.path().join("events.out.tfevents.0000000007.ted");

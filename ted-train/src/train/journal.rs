@@ -45,7 +45,8 @@ impl<'s> Journal<'s> {
             phase: algorithm.name(),
             steps: algorithm.steps(),
             digest: lane.config.digest(),
-            events: EventWriter::create(folder.path(), step)?,
+            // A resumed run starts another file.
+            events: EventWriter::create(folder.path(), &format!("{step:010}"))?,
             saver: Saver::start(scope, folder, &metrics)?,
             metrics,
         })

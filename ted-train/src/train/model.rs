@@ -7,10 +7,10 @@ use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::preferences::{PreferenceLog, Teacher};
 use crate::reward::oprl::{self, ExportedEnsemble, Fit, HeldOut, OprlConfig};
-use crate::reward::transformer::{self, PtConfig, transformer_labels};
+use crate::reward::transformer::{self, PtConfig, Saved, transformer_labels};
 use crate::reward::{RewardConfig, oprl::LearnError};
 use crate::rng::Seed;
-use crate::run::{Checkpoint, DATASET, DatasetReference, PREFERENCES, RunError, RunFolder};
+use crate::run::{DATASET, DatasetReference, PREFERENCES, RunError, RunFolder};
 
 use super::TrainError;
 use super::answers::{self, Answers};
@@ -150,8 +150,8 @@ impl Phase<'_> {
             &answers.pairs,
             seed,
             self.config.backend,
-            saved.as_ref(),
-            &mut |checkpoint| folder.write_state(TRAINING, &(digest, checkpoint)),
+            saved,
+            &mut |saved| folder.write_state(TRAINING, &(digest, saved)),
             self.audience,
         )?;
         let transformer = &learned.transformer;
@@ -160,7 +160,7 @@ impl Phase<'_> {
         let raw = transformer_labels(dataset, transformer, self.audience)?;
         let facts = Facts {
             queries: log.entries().len(),
-            fits: vec![learned.fit],
+            fits: learned.fits,
             held_out: Some(held_out),
             preferences_digest: Some(answers.digest),
         };
@@ -190,11 +190,11 @@ impl Phase<'_> {
     }
 
     /// A training that was stopped, if it was on these answers.
-    fn begun(&self, answers: &str) -> Option<Checkpoint> {
+    fn begun(&self, answers: &str) -> Option<Saved> {
         if !self.folder.file(TRAINING).exists() {
             return None;
         }
-        let why = match self.folder.read_state::<(String, Checkpoint)>(TRAINING) {
+        let why = match self.folder.read_state::<(String, Saved)>(TRAINING) {
             Ok((learned_from, saved)) if learned_from == answers => return Some(saved),
             Ok(_) => "what was learned so far is of other answers".to_owned(),
             Err(error) => error.to_string(),

@@ -5,20 +5,21 @@ use serde::{Deserialize, Serialize};
 use ted_core::RewardRange;
 use ted_policy::Digest;
 
-use crate::algorithm::AlgorithmConfig;
+use crate::algorithm::{AlgorithmConfig, metrics};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::ExportError;
 use crate::preferences::Teacher;
 use crate::reward::oprl::{ExportedEnsemble, Fit, HeldOut, LabelledPair};
 use crate::reward::quality::RewardQuality;
+use crate::reward::transformer;
 use crate::reward::transport::transport_labels;
 use crate::reward::{
     Labels, RewardConfig, dataset_labels, ensemble_labels, negative_labels, random_labels,
     zero_labels,
 };
 use crate::rng::Seed;
-use crate::run::RunFolder;
+use crate::run::{EventWriter, RunFolder};
 
 use super::TrainError;
 use super::answers::Answers;
@@ -29,7 +30,8 @@ use super::model::{self, Facts, RewardModel};
 pub struct RewardReport {
     /// Answers that were asked for.
     pub queries: usize,
-    /// Fit of the training pairs after the first queries and after each round.
+    /// Fit of the training pairs: of an ensemble after the first queries and after each round, of a transformer after every
+    /// [`transformer::LOOK_EVERY`] steps and at the end.
     pub fits: Vec<Fit>,
     /// Agreement on pairs that were not asked.
     pub held_out: Option<HeldOut>,
@@ -77,6 +79,9 @@ pub(super) fn rewards(
         quality: RewardQuality::measure(dataset, &rewards.labels),
     };
     folder.write_json("reward.json", &report)?;
+    if !report.fits.is_empty() {
+        curve(folder, config, &report.fits)?;
+    }
     if config.reward.asks() {
         audience.note(&format!(
             "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
@@ -89,6 +94,19 @@ pub(super) fn rewards(
         ));
     }
     Ok(rewards)
+}
+
+/// How a learned reward came to fit its answers, for TensorBoard.
+fn curve(folder: &RunFolder, config: &Config, fits: &[Fit]) -> Result<(), TrainError> {
+    let mut events = EventWriter::create(folder.path(), "reward")?;
+    for (look, fit) in (1..).zip(fits) {
+        let step = match &config.reward {
+            RewardConfig::Transformer(it) => it.steps.min(look * transformer::LOOK_EVERY),
+            _ => look - 1,
+        };
+        events.push("reward", step, &metrics(fit))?;
+    }
+    Ok(())
 }
 
 /// Rewards of every transition once more, from the model that the folder of a finished run holds.

@@ -3,6 +3,7 @@
 use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
+use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::Backend;
@@ -15,15 +16,23 @@ use super::config::PtConfig;
 use super::network::RewardTransformer;
 use super::training::{Training, numbers, pair_clips};
 
-/// Steps between two saved states: about a minute of work with the default configuration.
-const SAVE_EVERY: u64 = 500;
+/// Steps between two looks at the fit, after each of which the state is saved: two minutes of work with the default
+/// configuration.
+pub const LOOK_EVERY: u64 = 500;
+
+/// What a training goes on from.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Saved {
+    pub(super) checkpoint: Checkpoint,
+    pub(super) fits: Vec<Fit>,
+}
 
 /// A trained transformer and how the training went.
 pub struct Learned {
     /// The transformer.
     pub transformer: RewardTransformer,
-    /// Fit of the training pairs at the end.
-    pub fit: Fit,
+    /// Fit of the training pairs after every [`LOOK_EVERY`] steps and at the end.
+    pub fits: Vec<Fit>,
 }
 
 /// Why no transformer was learned.
@@ -63,40 +72,47 @@ pub fn learn(
     pairs: &[LabelledPair],
     seed: Seed,
     backend: Backend,
-    saved: Option<&Checkpoint>,
-    save: &mut dyn FnMut(Checkpoint) -> Result<(), WriteError>,
+    saved: Option<Saved>,
+    save: &mut dyn FnMut(&Saved) -> Result<(), WriteError>,
     audience: Audience,
 ) -> Result<Learned, LearnError> {
     let statistics = dataset.observation_statistics();
     let actions = dataset.action_dim();
     let transformer = RewardTransformer::new(config, &statistics, actions, seed, backend);
     let mut training = Training::new(config, transformer, dataset, pairs, seed);
+    let mut fits = Vec::new();
     if let Some(saved) = saved {
-        training.restore(saved)?;
+        training.restore(&saved.checkpoint)?;
+        fits = saved.fits;
     }
     let progress = audience.start("learn a reward", config.steps, "steps");
     progress.skip(training.step);
     while training.step < config.steps {
         let loss = training.update();
+        let step = training.step;
         if !loss.is_finite() {
-            return Err(LearnError::Diverged {
-                step: training.step,
-            });
+            return Err(LearnError::Diverged { step });
         }
         progress.advance(1);
-        let stop = interrupt::requested();
-        if stop || training.step.is_multiple_of(SAVE_EVERY) {
-            save(training.checkpoint())?;
+        let look = step.is_multiple_of(LOOK_EVERY);
+        if look || step == config.steps {
+            fits.push(training.fit());
             progress.message(&format!("loss {loss:.3}"));
+        }
+        let stop = interrupt::requested();
+        if stop || look {
+            let checkpoint = training.checkpoint();
+            let saved = Saved { checkpoint, fits };
+            save(&saved)?;
+            fits = saved.fits;
         }
         if stop {
             return Err(LearnError::Interrupted);
         }
     }
     progress.finish();
-    let fit = training.fit();
     let transformer = training.transformer;
-    Ok(Learned { transformer, fit })
+    Ok(Learned { transformer, fits })
 }
 
 /// Measures the transformer's scores on random pairs, against true returns.

@@ -10,10 +10,9 @@ use crate::reward::ask_random_pairs;
 use crate::reward::oprl::LabelledPair;
 use crate::reward::transformer::training::Training;
 use crate::reward::transformer::{
-    Learned, PtConfig, held_out_agreement, learn, transformer_labels,
+    Learned, PtConfig, Saved, held_out_agreement, learn, transformer_labels,
 };
 use crate::rng::Seed;
-use crate::run::Checkpoint;
 
 use super::{HEADS, SEGMENT, SHAPE, config, dataset, transformer};
 
@@ -31,10 +30,10 @@ fn run(
     dataset: &Dataset,
     pairs: &[LabelledPair],
     backend: Backend,
-    saved: Option<&Checkpoint>,
+    saved: Option<Saved>,
 ) -> Learned {
     let (seed, audience) = (Seed::root(3), Audience::Nobody);
-    let save = &mut |_| Ok(());
+    let save = &mut |_: &Saved| Ok(());
     learn(config, dataset, pairs, seed, backend, saved, save, audience).unwrap()
 }
 
@@ -51,7 +50,11 @@ fn with_many_answers_clips_are_ordered_that_nobody_was_asked_about() {
         for backend in [Backend::Flex, Backend::Ndarray] {
             let pairs = answers(&config, &dataset);
             let learned = run(&config, &dataset, &pairs, backend, None);
-            assert!(learned.fit.agreement > 0.95, "{head:?}: {:?}", learned.fit);
+            assert!(
+                learned.fits[0].agreement > 0.95,
+                "{head:?}: {:?}",
+                learned.fits
+            );
             let agreement = |transformer: &super::RewardTransformer| {
                 held_out_agreement(&config, transformer, &dataset, Seed::root(3)).unwrap()
             };
@@ -93,12 +96,17 @@ fn a_restored_training_goes_on_to_the_bit() {
         assert_eq!(other_weights.checkpoint(), saved);
         drop(other_weights);
 
-        let resumed = run(&config, &dataset, &pairs, Backend::Flex, Some(&saved));
+        assert_ne!(saved.step, config.steps);
+        let saved = Saved {
+            checkpoint: saved,
+            fits: Vec::new(),
+        };
+        let resumed = run(&config, &dataset, &pairs, Backend::Flex, Some(saved));
+        assert_eq!((resumed.fits.len(), &resumed.fits), (1, &whole.fits));
         let labels = |learned: &Learned| {
             bits(&transformer_labels(&dataset, &learned.transformer, Audience::Nobody).unwrap())
         };
         assert_eq!(labels(&resumed), labels(&whole), "{head:?}");
-        assert_ne!(saved.step, config.steps);
     }
 }
 
