@@ -15,7 +15,7 @@ mod transitions;
 pub use batch::Batch;
 pub(crate) use learner::metrics;
 pub use learner::{Learner, Losses, Metrics, Policy};
-pub use replay::Replay;
+pub use replay::{ObservationScaling, Replay};
 
 use serde::{Deserialize, Serialize};
 

@@ -2,6 +2,7 @@
 //! the dataset's arrays.
 
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
 
 use crate::dataset::Dataset;
 use crate::filter::Kept;
@@ -12,6 +13,17 @@ use super::Batch;
 
 #[cfg(test)]
 mod tests;
+
+/// How a learner and its policy see observations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ObservationScaling {
+    /// Minus the dataset's mean, divided by its standard deviation.
+    #[default]
+    Standardised,
+    /// As recorded, as the code that the paper builds on has it.
+    Raw,
+}
 
 /// What a lane learns from: standardised observations, labelled rewards, a discount for each transition, and answers where
 /// the policy is learned from them.
@@ -50,6 +62,16 @@ impl<'a> Replay<'a> {
             kept: Kept::all(dataset),
             answers: Vec::new(),
         }
+    }
+
+    /// Shows observations in this way; standardised if nobody says another.
+    #[must_use]
+    pub fn seen(mut self, scaling: ObservationScaling) -> Self {
+        if scaling == ObservationScaling::Raw {
+            self.shift.fill(0.0);
+            self.scale.fill(1.0);
+        }
+        self
     }
 
     /// Draws from these transitions only. Observations stay standardised by the whole dataset.

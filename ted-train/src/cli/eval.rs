@@ -1,4 +1,4 @@
-//! `ted eval`: the policy of a run, flown by the controller.
+//! `ted eval`: the policy of a run, flown by the controller, or from here where no controller can fly it.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -28,8 +28,8 @@ Examples:
   ted eval runs/drawer-open-v3/true/seed-0 --numeric integer
   ted eval runs/drawer-open-v3/true/seed-0 --replay
 
-The episodes are those of `firmware-sim fly` with the same seed, and so are the returns, to the bit. Exit code 7 when the
-controller latched a fault.";
+The episodes are those of `firmware-sim fly` with the same seed, and so are the returns of an artefact, to the bit. A policy for
+sequences (oppo) is flown from here, behind the same checks. Exit code 7 when a check latched a fault.";
 
 /// Fly the policy of a run in Meta-World and report return, score and success; or show it the logs and move nothing
 #[derive(Debug, Args)]
@@ -95,7 +95,13 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         engine: args.engine,
     };
     let task = args.task.as_deref();
+    let refuse = |why: &str| Err(Failure::new(ExitCode::Usage, why));
     let report = if config.algorithm.makes_networks() {
+        if args.dataset.is_some() {
+            return refuse(
+                "an artefact flies without a dataset: leave --dataset out, or add --replay",
+            );
+        }
         let artefact = artefact_of(folder)?;
         evaluate(
             Flyer::Artefact(&artefact, args.numeric),
@@ -105,14 +111,13 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         )
     } else {
         if args.numeric != Numeric::F32 {
-            return Err(Failure::new(
-                ExitCode::Usage,
-                "a sequence policy has no integer networks: leave --numeric out",
-            ));
+            return refuse("a sequence policy has no integer networks: leave --numeric out");
         }
         let dataset = dataset_of(folder, args.dataset.as_deref())?;
-        let oppo = sequence_policy(folder, &dataset, audience).map_err(end)?;
-        evaluate(Flyer::Sequence(&oppo, &dataset), task, &plan, audience)
+        match sequence_policy(folder, &dataset, audience).map_err(end)? {
+            Some(oppo) => evaluate(Flyer::Sequence(&oppo, &dataset), task, &plan, audience),
+            None => unreachable!("the algorithm makes no networks"),
+        }
     }
     .map_err(end)?;
     // A run that was never flown is from now on.
@@ -131,7 +136,7 @@ fn verdict(faulted: usize, episodes: usize) -> Result<(), Failure> {
         0 => Ok(()),
         faulted => Err(Failure::new(
             ExitCode::Faulted,
-            format_args!("the controller latched a fault in {faulted} of {episodes} episodes"),
+            format_args!("a fault was latched in {faulted} of {episodes} episodes"),
         )),
     }
 }

@@ -228,9 +228,27 @@ fn run_text(run: &RunText) -> String {
                 held_out.agreement
             )
         });
+        let quality = reward.quality.as_ref().map_or_else(
+            || "no reward: the policy is learned without one".to_owned(),
+            |it| {
+                format!(
+                    "Pearson {:.3}, Spearman {:.3} with true returns",
+                    it.pearson, it.spearman
+                )
+            },
+        );
         lines.push(format!(
-            "reward         {} answers{held_out}; Pearson {:.3}, Spearman {:.3} with true returns",
-            reward.queries, reward.quality.pearson, reward.quality.spearman
+            "reward         {} answers{held_out}; {quality}",
+            reward.queries
+        ));
+    }
+    if let Some(spent) = &run.spent {
+        let of = spent.reward_of.as_ref().map_or_else(String::new, |from| {
+            format!(", where the reward was taken from {}", from.display())
+        });
+        lines.push(format!(
+            "time           {:.0} s before the policy{of}; {:.0} s for the policy",
+            spent.reward_s, spent.policy_s
         ));
     }
     lines.push(match &run.evaluation {

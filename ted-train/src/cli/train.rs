@@ -149,7 +149,8 @@ impl<'t> Left<'t> {
     }
 }
 
-/// Every combination, seed by seed, so that an unfinished fleet has something of each. Nothing is begun that cannot be ended.
+/// Every combination, seed by seed, so that an unfinished fleet has something of each, but for those that wait for the reward of
+/// another. Nothing is begun that cannot be ended.
 fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     let mut overrides = Overrides::default();
     if let Some(path) = &args.config {
@@ -192,6 +193,8 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             configs.push(overrides.resolve(*preset, seed).map_err(end)?);
         }
     }
+    let trained: Vec<_> = configs.iter().map(|config| config.preset).collect();
+    overrides.meant_for(&trained).map_err(end)?;
     let deaf = configs.iter().find(|config| !config.asks());
     if let (Some(_), Some(config)) = (&args.preferences, deaf) {
         return Err(Failure::new(
@@ -233,7 +236,8 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     if !alone {
         distinct(&lanes)?;
     }
-    Ok(introduce(lanes))
+    introduce(&mut lanes);
+    Ok(lanes)
 }
 
 /// Refuses lanes that would share a folder, and folders that hold other runs.

@@ -4,7 +4,7 @@
 mod algorithms;
 mod rewards;
 
-use crate::algorithm::AlgorithmConfig;
+use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::reward::RewardConfig;
 use crate::ted::DiscountConfig;
@@ -67,6 +67,14 @@ impl Config {
             let reason = "oppo looks at clips of all episodes, and the answers say which are better: set filter.keep = \"all\""
                 .to_owned();
             return refuse("filter", reason);
+        }
+        if matches!(self.algorithm, AlgorithmConfig::Oppo(_))
+            && self.observations != ObservationScaling::Standardised
+        {
+            let reason =
+                "oppo standardises observations itself: set observations = \"standardised\""
+                    .to_owned();
+            return refuse("observations", reason);
         }
         if let FilterConfig::TopPredicted { k: drawn } = self.filter
             && let DiscountConfig::Ted { k, .. } | DiscountConfig::RewardPenalty { k, .. } =

@@ -25,7 +25,8 @@ pub enum ConfigError {
     },
     /// A `--set` argument without a key or a value.
     #[error(
-        "cannot understand --set {argument:?}: write key=value, for example --set algorithm.steps=50000"
+        "cannot understand --set {argument:?}: write key=value, for example --set algorithm.steps=50000, or \
+         preset:key=value for the runs of a preset"
     )]
     Override {
         /// The argument.

@@ -13,7 +13,7 @@ pub use preset::{Preset, Row, TABLE};
 
 use serde::{Deserialize, Serialize};
 
-use crate::algorithm::AlgorithmConfig;
+use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
@@ -31,6 +31,9 @@ pub struct Config {
     pub backend: Backend,
     /// Whether rewards are mapped to [0, 1] over the dataset before discounts are lowered.
     pub unit_rewards: bool,
+    /// How the offline algorithm and its policy see observations.
+    #[serde(default)]
+    pub observations: ObservationScaling,
     /// Where rewards come from.
     pub reward: RewardConfig,
     /// Which episodes the policy is learned from.

@@ -70,15 +70,20 @@ impl Overrides {
             argument: argument.to_owned(),
         };
         let (key, value) = argument.split_once('=').ok_or_else(bad)?;
-        let (names, key) = key.rsplit_once(':').unwrap_or(("", key));
-        let names = names.split(',').map(str::trim);
-        let presets = names.filter(|name| !name.is_empty()).map(|name| {
-            Preset::try_from(name.to_owned()).map_err(|message| ConfigError::Invalid {
+        let (names, key) = match key.rsplit_once(':') {
+            Some((names, key)) => (Some(names), key),
+            None => (None, key),
+        };
+        let preset = |name: &str| {
+            Preset::try_from(name.trim().to_owned()).map_err(|message| ConfigError::Invalid {
                 origin: format!("--set {argument}"),
                 message,
             })
-        });
-        let presets = presets.collect::<Result<_, _>>()?;
+        };
+        let presets = match names {
+            None => Vec::new(),
+            Some(names) => names.split(',').map(preset).collect::<Result<_, _>>()?,
+        };
         if let Some(field) = NAME.into_iter().find(|field| *field == key.trim()) {
             let argument = argument.to_owned();
             return Err(ConfigError::Flag { field, argument });
@@ -102,6 +107,23 @@ impl Overrides {
             table,
         });
         Ok(self)
+    }
+
+    /// Refuses a change that is for presets of which none is among these: nothing would come of it.
+    ///
+    /// # Errors
+    /// Names the change.
+    pub fn meant_for(&self, presets: &[Preset]) -> Result<(), ConfigError> {
+        let idle = |layer: &&Layer| {
+            !layer.presets.is_empty() && !layer.presets.iter().any(|it| presets.contains(it))
+        };
+        match self.layers.iter().find(idle) {
+            None => Ok(()),
+            Some(layer) => Err(ConfigError::Invalid {
+                origin: layer.origin.clone(),
+                message: "it is for presets that none of these runs has".to_owned(),
+            }),
+        }
     }
 
     /// The preset with every change applied, checked. Preset and seed are the given ones, or else those of the file, or
@@ -328,6 +350,12 @@ mod tests {
             error.to_string().contains("no preset is called \"zer\""),
             "{error}"
         );
+        assert!(Overrides::default().set(":algorithm.steps=9").is_err());
+        let changes = changes.unwrap();
+        assert!(changes.meant_for(&[Preset::Zero, Preset::OprlAtac]).is_ok());
+        let error = changes.meant_for(&[Preset::OprlAtac]).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains("zero : algorithm.steps=9"), "{error}");
     }
 
     #[test]

@@ -4,12 +4,12 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
-use crate::algorithm::AlgorithmConfig;
 use crate::algorithm::atac::AtacConfig;
 use crate::algorithm::awr::AwrConfig;
 use crate::algorithm::bc::BcConfig;
 use crate::algorithm::iql::IqlConfig;
 use crate::algorithm::oppo::OppoConfig;
+use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
@@ -271,6 +271,7 @@ impl Preset {
             seed: 0,
             backend: Backend::Fused,
             unit_rewards: true,
+            observations: ObservationScaling::Standardised,
             reward,
             filter,
             discount,

@@ -51,29 +51,16 @@ pub(super) struct Begun<'l> {
     answers: Option<ReplayTeacher>,
 }
 
-/// Tells lanes of each other whose rewards take long to learn and are the same, and puts the first of each such family before
-/// everything else of it: what it has learned is there when the others begin.
-pub fn introduce(lanes: Vec<Lane>) -> Vec<Lane> {
-    let mut families: Vec<Vec<Lane>> = Vec::new();
-    for lane in lanes {
-        let family = families.iter_mut().find(|family| lane.is_of(&family[0]));
-        match family {
-            Some(family) => family.push(lane),
-            None => families.push(vec![lane]),
-        }
+/// Tells lanes of those before them whose rewards take long to learn and are the same. [`super::run`] begins them last, when
+/// what they need is most likely there; a lane that finds nothing yet learns its reward itself, to the same bits.
+pub fn introduce(lanes: &mut [Lane]) {
+    for place in 1..lanes.len() {
+        let (before, rest) = lanes.split_at_mut(place);
+        let lane = &mut rest[0];
+        let family = before.iter().filter(|other| lane.is_of(other));
+        let family = family.map(|other| other.folder.clone()).collect();
+        lane.siblings = family;
     }
-    let (mut first, mut others) = (Vec::new(), Vec::new());
-    for mut family in families {
-        let folders: Vec<_> = family.iter().map(|lane| lane.folder.clone()).collect();
-        for lane in &mut family {
-            let siblings = folders.iter().filter(|folder| **folder != lane.folder);
-            lane.siblings = siblings.cloned().collect();
-        }
-        others.extend(family.split_off(1));
-        first.extend(family);
-    }
-    first.extend(others);
-    first
 }
 
 impl Lane {

@@ -71,11 +71,13 @@ pub fn first_failure(lanes: &[Lane], ends: Vec<Result<Trained, LaneError>>) -> O
     })
 }
 
-/// What is trained together, with the places of the lanes: on a processor each by itself, on a GPU all.
+/// What is trained together, with the places of the lanes: on a processor each by itself, those that may find their reward
+/// with a sibling last; on a GPU all.
 fn batches(lanes: &[Lane]) -> Vec<Vec<(usize, &Lane)>> {
     let lanes = lanes.iter().enumerate();
-    let (gpu, processor): (Vec<_>, Vec<_>) =
+    let (gpu, mut processor): (Vec<_>, Vec<_>) =
         lanes.partition(|(_, lane)| lane.config.backend.is_gpu());
+    processor.sort_by_key(|(_, lane)| !lane.siblings.is_empty());
     let mut batches: Vec<_> = processor.into_iter().map(|lane| vec![lane]).collect();
     if !gpu.is_empty() {
         batches.push(gpu);

@@ -8,7 +8,7 @@ use ted_policy::Digest;
 
 use crate::config::Config;
 use crate::evaluate::Evaluation;
-use crate::run::{DATASET, DatasetReference, RunError, RunFolder};
+use crate::run::{DATASET, DatasetReference, RunError, RunFolder, Spent};
 use crate::train::{RewardReport, newest_step};
 
 /// A run in short.
@@ -30,6 +30,8 @@ pub struct RunText {
     pub reward: Option<RewardReport>,
     /// Whether there is an artefact.
     pub artefact: Option<PathBuf>,
+    /// How long it took, if somebody looked at the clock.
+    pub spent: Option<Spent>,
     /// How the policy flew, if it has.
     pub evaluation: Option<Evaluation>,
     /// Files in the folder, with their sizes in bytes.
@@ -54,6 +56,7 @@ impl RunText {
             evaluation: held("evaluation.json")
                 .then(|| folder.read_json("evaluation.json"))
                 .transpose()?,
+            spent: Spent::of(folder),
             files: files(folder),
             config,
         })

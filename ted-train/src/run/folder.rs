@@ -306,6 +306,12 @@ impl RunFolder {
         })
     }
 
+    /// Whether a learner was ever saved.
+    #[must_use]
+    pub fn has_checkpoints(&self) -> bool {
+        !self.checkpoints().is_empty()
+    }
+
     fn checkpoints(&self) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(self.path.join("checkpoints"));
         let mut paths: Vec<PathBuf> = entries

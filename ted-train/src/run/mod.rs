@@ -6,13 +6,14 @@
 //! preferences.jsonl    every query asked and its answer
 //! reward.state         the learned reward: an ensemble, or the labels of a transformer
 //! reward.training      a transformer on its way there
+//! answers.state        which answers a policy without a reward is learned from
 //! reward.json          how well it orders the dataset
 //! checkpoints/         the offline learner, the last two
 //! metrics.jsonl        one row every `schedule.log_every` updates
 //! events.out.tfevents… the same for TensorBoard
 //! policy.ted           the artefact
 //! evaluation.json      how it flew
-//! time.json            how long it took; two equal runs differ in this file alone
+//! time.json            how long it took; never compared between runs
 //! ```
 
 mod checkpoint;
@@ -25,7 +26,7 @@ mod sealed;
 
 pub(crate) use checkpoint::Visit;
 pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
-pub use clock::{Clock, Spent};
+pub use clock::{Clock, Phase, Spent};
 pub use events::EventWriter;
 pub use folder::{
     DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder,

@@ -5,7 +5,7 @@ use std::thread::{Scope, ScopedJoinHandle};
 
 use firmware_sim::disk::WriteError;
 
-use super::{Checkpoint, MetricsLog, RunFolder};
+use super::{Checkpoint, Clock, MetricsLog, RunFolder};
 
 /// A thread that saves checkpoints in a run's folder, one at a time and in order. It ends when this is finished or dropped,
 /// with what it has begun.
@@ -16,7 +16,8 @@ pub struct Saver<'s> {
 }
 
 impl<'s> Saver<'s> {
-    /// Starts it. What is in `metrics` when a checkpoint is handed over is on the disk before the checkpoint is.
+    /// Starts it. What is in `metrics` when a checkpoint is handed over is on the disk before the checkpoint is, and what
+    /// `clock` shows after it.
     ///
     /// # Errors
     /// When the file of the metrics cannot be opened a second time.
@@ -24,6 +25,7 @@ impl<'s> Saver<'s> {
         scope: &'s Scope<'s, 'e>,
         folder: &'e RunFolder,
         metrics: &MetricsLog,
+        clock: Clock,
     ) -> Result<Self, WriteError> {
         let metrics = metrics.again()?;
         // No room: handing over waits until the checkpoint before is written, so two at most are in memory.
@@ -31,7 +33,8 @@ impl<'s> Saver<'s> {
         let thread = scope.spawn(move || {
             checkpoints.into_iter().try_for_each(|checkpoint| {
                 metrics.sync()?;
-                folder.save(&checkpoint)
+                folder.save(&checkpoint)?;
+                clock.spent().write(folder)
             })
         });
         Ok(Self { queue, thread })

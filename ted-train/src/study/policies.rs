@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::config::{ConfigError, Overrides, Preset};
 use crate::evaluate::Evaluation;
 use crate::fleet::{self, Datasets, FleetError, Lane};
+use crate::reward::quality::RewardQuality;
 use crate::run::{EVALUATION, RunError, RunFolder, Spent};
 use crate::train::RewardReport;
 
@@ -64,6 +65,8 @@ pub enum StudyError {
 /// Names the change, or the folder and what differs.
 pub fn check(out: &Path, runs: &[PolicyRun], sets: &[String]) -> Result<(), StudyError> {
     let changes = changes(sets)?;
+    let presets: Vec<_> = runs.iter().map(|run| run.preset).collect();
+    changes.meant_for(&presets)?;
     for run in runs {
         let config = changes.resolve(Some(run.preset), Some(run.seed))?;
         RunFolder::holds(&run_path(out, run), &config)?;
@@ -94,7 +97,7 @@ pub fn fill(
             siblings: Vec::new(),
         });
     }
-    let mut lanes = fleet::introduce(lanes);
+    fleet::introduce(&mut lanes);
     lanes.retain(|lane| !lane.folder.join(EVALUATION).exists());
     let ends = fleet::run(&lanes, &Datasets::default(), jobs, audience);
     match fleet::first_failure(&lanes, ends) {
@@ -154,7 +157,12 @@ pub fn table(scores: &[PolicyScore]) -> String {
             .iter()
             .map(|s| format!("{:.3}", s.evaluation.score.unwrap_or(f64::NAN)))
             .collect();
-        let quality = |value: fn(&PolicyScore) -> f64| column(2, &value);
+        let quality = |value: fn(&RewardQuality) -> f64| {
+            if group.iter().any(|s| s.reward.quality.is_none()) {
+                return "-".to_owned();
+            }
+            column(2, &|s| s.reward.quality.as_ref().map_or(f64::NAN, value))
+        };
         rows.push(format!(
             "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {minutes} | {rho} | {low} | {high} | {transition} |",
             seeds = group.len(),
@@ -163,20 +171,21 @@ pub fn table(scores: &[PolicyScore]) -> String {
             each = each.join(", "),
             success = column(2, &|s| s.evaluation.success),
             minutes = minutes(&group),
-            rho = quality(|s| s.reward.quality.spearman),
-            low = quality(|s| s.reward.quality.spearman_low_third),
-            high = quality(|s| s.reward.quality.spearman_high_third),
-            transition = quality(|s| s.reward.quality.transition_pearson),
+            rho = quality(|it| it.spearman),
+            low = quality(|it| it.spearman_low_third),
+            high = quality(|it| it.spearman_high_third),
+            transition = quality(|it| it.transition_pearson),
         ));
     }
     rows.join("\n")
 }
 
-/// Mean wall time of those whose time is known.
+/// Mean wall time of those whose time is known, that of a reward that was taken from another run included.
 fn minutes(group: &[&PolicyScore]) -> String {
+    let minutes = |spent: &Spent| (spent.reward_s + spent.policy_s) / 60.0;
     let known: Vec<f64> = group
         .iter()
-        .filter_map(|s| Some(s.spent?.seconds / 60.0))
+        .filter_map(|s| s.spent.as_ref().map(minutes))
         .collect();
     match known.len() {
         0 => "-".to_owned(),

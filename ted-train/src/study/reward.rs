@@ -117,6 +117,7 @@ pub fn design_config(
     let overrides = all
         .into_iter()
         .try_fold(Overrides::default(), |overrides, set| overrides.set(set))?;
+    overrides.meant_for(&[Preset::OprlI])?;
     match overrides.resolve(Some(Preset::OprlI), None)?.reward {
         RewardConfig::Oprl(config) => Ok(config),
         _ => Err(crate::config::ConfigError::Override {

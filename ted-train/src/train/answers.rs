@@ -4,14 +4,13 @@ use firmware_sim::progress::Audience;
 
 use super::TrainError;
 use super::model::Facts;
-use super::rewards::RewardReport;
 use crate::algorithm::oppo::OppoConfig;
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::preferences::{PreferenceLog, Teacher};
 use crate::reward::ask_random_pairs;
 use crate::reward::oprl::{LabelledPair, LearnError};
 use crate::rng::Seed;
-use crate::run::{PREFERENCES, RunFolder};
+use crate::run::{PREFERENCES, RunError, RunFolder};
 
 /// Answers about random pairs of clips.
 pub(super) struct Answers {
@@ -69,14 +68,7 @@ impl Answers {
             queries, segment, ..
         } = *config;
         let answers = Self::ask(queries, segment, dataset, teacher, &mut log, root)?;
-        // What is saved of the policy is of the answers that this report names.
-        if let Ok(report) = folder.read_json::<RewardReport>("reward.json")
-            && report.preferences_digest.as_ref() != Some(&answers.digest)
-        {
-            let difference =
-                format!("its policy is learned from other answers than {PREFERENCES} has now");
-            return Err(folder.other(difference).into());
-        }
+        same_answers(folder, &answers.digest)?;
         let facts = Facts {
             queries: log.entries().len(),
             preferences_digest: Some(answers.digest),
@@ -84,6 +76,25 @@ impl Answers {
         };
         Ok((answers.pairs, facts))
     }
+}
+
+/// Refuses to go on with a policy that was learned from other answers than those of this digest.
+fn same_answers(folder: &RunFolder, digest: &str) -> Result<(), TrainError> {
+    /// Holds the digest of the answers that the checkpoints are of.
+    const STATE: &str = "answers.state";
+    let held = match folder.file(STATE).exists() {
+        true => Some(folder.read_state::<String>(STATE).map_err(RunError::from)?),
+        false => None,
+    };
+    let difference = match held {
+        Some(held) if held == digest => return Ok(()),
+        Some(_) => format!("its policy is learned from other answers than {PREFERENCES} has now"),
+        None if folder.has_checkpoints() => {
+            format!("{STATE} is gone, which says what answers its policy is learned from")
+        }
+        None => return Ok(folder.write_state(STATE, &digest)?),
+    };
+    Err(folder.other(difference).into())
 }
 
 #[cfg(test)]

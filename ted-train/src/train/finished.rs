@@ -50,14 +50,17 @@ impl FinishedRun {
         audience: Audience,
     ) -> Result<Self, TrainError> {
         let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
+        // Before anybody is sent to finish a run that can never be exported.
+        let not_for_controllers = || TrainError::NotForControllers {
+            folder: folder.path().to_path_buf(),
+            algorithm: config.algorithm.name(),
+        };
+        if !config.algorithm.makes_networks() {
+            return Err(not_for_controllers());
+        }
         let policy = match learned_policy(&config, folder, dataset, audience)? {
             LearnedPolicy::Network(policy) => policy,
-            LearnedPolicy::Sequence(_) => {
-                return Err(TrainError::NotForControllers {
-                    folder: folder.path().to_path_buf(),
-                    algorithm: config.algorithm.name(),
-                });
-            }
+            LearnedPolicy::Sequence(_) => return Err(not_for_controllers()),
         };
         let rewards = rewards::relabel(dataset, &config, folder, audience)?;
         let ted = config
@@ -142,23 +145,19 @@ impl FinishedRun {
     }
 }
 
-/// The sequence policy of a finished run on this dataset.
+/// The sequence policy of a finished run on this dataset; none where the policy is a network, which the artefact holds.
 ///
 /// # Errors
-/// When the run has not made all of its updates, its policy is a network, which its artefact holds, or one of its files
-/// cannot be used.
+/// When the run has not made all of its updates, or one of its files cannot be used.
 pub fn sequence_policy(
     folder: &RunFolder,
     dataset: &Dataset,
     audience: Audience,
-) -> Result<Box<Oppo>, TrainError> {
+) -> Result<Option<Box<Oppo>>, TrainError> {
     let config = Config::read(&folder.config_path()).map_err(RunError::from)?;
     match learned_policy(&config, folder, dataset, audience)? {
-        LearnedPolicy::Sequence(oppo) => Ok(oppo),
-        LearnedPolicy::Network(_) => Err(RunError::Missing {
-            path: folder.artefact_path(),
-        }
-        .into()),
+        LearnedPolicy::Sequence(oppo) => Ok(Some(oppo)),
+        LearnedPolicy::Network(_) => Ok(None),
     }
 }
 
@@ -170,7 +169,7 @@ fn learned_policy(
     audience: Audience,
 ) -> Result<LearnedPolicy, TrainError> {
     let checkpoint = last_checkpoint(folder, config, audience)?;
-    let replay = Replay::new(dataset, Vec::new(), Vec::new());
+    let replay = Replay::new(dataset, Vec::new(), Vec::new()).seen(config.observations);
     // A network is numbers, whatever computed them; a sequence policy acts with what it was trained on, where there is that.
     let backend = match config.backend.usable() {
         Ok(()) => config.backend,

@@ -4,15 +4,13 @@ use std::thread::Scope;
 
 use crate::algorithm::Metrics;
 use crate::config::{Config, Schedule};
-use crate::run::{Checkpoint, Clock, EventWriter, MetricsLog, RunFolder, Saver};
+use crate::run::{Checkpoint, Clock, EventWriter, MetricsLog, Phase, Saver};
 
 use super::TrainError;
 use super::prepared::Prepared;
 
 /// The files that grow while one run learns.
 pub(super) struct Journal<'s> {
-    folder: &'s RunFolder,
-    clock: Clock,
     schedule: Schedule,
     phase: &'static str,
     steps: u64,
@@ -27,27 +25,23 @@ impl<'s> Journal<'s> {
     pub(super) fn begin<'e>(
         scope: &'s Scope<'s, 'e>,
         lane: &Prepared<'e>,
-    ) -> Result<Self, TrainError>
-    where
-        'e: 's,
-    {
+    ) -> Result<Self, TrainError> {
         let (folder, step) = (lane.folder, lane.step());
         let Config {
             schedule,
             algorithm,
             ..
         } = lane.config;
+        let clock = Clock::start(folder, Phase::Policy);
         let metrics = MetricsLog::resume(&folder.file("metrics.jsonl"), step)?;
         Ok(Self {
-            folder,
-            clock: lane.clock,
             schedule: schedule.clone(),
             phase: algorithm.name(),
             steps: algorithm.steps(),
             digest: lane.config.digest(),
             // A resumed run starts another file.
             events: EventWriter::create(folder.path(), &format!("{step:010}"))?,
-            saver: Saver::start(scope, folder, &metrics)?,
+            saver: Saver::start(scope, folder, &metrics, clock)?,
             metrics,
         })
     }
@@ -74,7 +68,6 @@ impl<'s> Journal<'s> {
         }
         if self.checkpoint_is_due(step) {
             self.saver = self.saver.save(checkpoint(self.digest))?;
-            self.clock.note(self.folder)?;
         }
         Ok(self)
     }
@@ -86,8 +79,7 @@ impl<'s> Journal<'s> {
         checkpoint: impl FnOnce([u8; 32]) -> Checkpoint,
     ) -> TrainError {
         let saved = self.saver.save(checkpoint(self.digest));
-        let noted = saved.and_then(Saver::finish);
-        match noted.and_then(|()| self.clock.note(self.folder)) {
+        match saved.and_then(Saver::finish) {
             Ok(()) => TrainError::Interrupted { step },
             Err(error) => error.into(),
         }

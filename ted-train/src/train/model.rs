@@ -10,7 +10,7 @@ use crate::reward::oprl::{self, ExportedEnsemble, Fit, HeldOut, OprlConfig};
 use crate::reward::transformer::{self, PtConfig, Saved, transformer_labels};
 use crate::reward::{RewardConfig, oprl::LearnError};
 use crate::rng::Seed;
-use crate::run::{DATASET, DatasetReference, PREFERENCES, RunError, RunFolder};
+use crate::run::{self, Clock, DATASET, DatasetReference, PREFERENCES, RunError, RunFolder, Spent};
 
 use super::TrainError;
 use super::answers::{self, Answers};
@@ -139,10 +139,25 @@ impl Phase<'_> {
         } = *config;
         let (dataset, teacher, root) = (self.dataset, &mut *self.teacher, self.root);
         let answers = Answers::ask(queries, segment, dataset, teacher, log, root)?;
-        if let Some(state) = self.of_a_sibling(&answers.digest) {
+        if let Some((sibling, state)) = self.of_a_sibling(&answers.digest) {
+            let spent = Spent::of(&sibling).unwrap_or_default();
+            let there = spent
+                .reward_of
+                .unwrap_or_else(|| sibling.path().to_path_buf());
+            self.audience.note(&format!(
+                "the reward of {} is this run's too",
+                there.display()
+            ));
+            let spent = Spent {
+                reward_s: spent.reward_s,
+                policy_s: 0.0,
+                reward_of: Some(there),
+            };
+            spent.write(self.folder)?;
             return Ok(state);
         }
         let saved = self.begun(&answers.digest);
+        let clock = Clock::start(self.folder, run::Phase::Reward);
         let (folder, digest, seed) = (self.folder, &answers.digest, root.child("reward"));
         let learned = transformer::learn(
             config,
@@ -151,7 +166,10 @@ impl Phase<'_> {
             seed,
             self.config.backend,
             saved,
-            &mut |saved| folder.write_state(TRAINING, &(digest, saved)),
+            &mut |saved| {
+                folder.write_state(TRAINING, &(digest, saved))?;
+                clock.spent().write(folder)
+            },
             self.audience,
         )?;
         let transformer = &learned.transformer;
@@ -169,7 +187,7 @@ impl Phase<'_> {
 
     /// What another run has learned that asked the same, was answered the same, and learns alike: it would come out the same
     /// here, to the bit.
-    fn of_a_sibling(&self, answers: &str) -> Option<State> {
+    fn of_a_sibling(&self, answers: &str) -> Option<(RunFolder, State)> {
         self.folder.siblings().iter().find_map(|path| {
             // Whatever is amiss there, the reward is learned here.
             let sibling = RunFolder::open(path).ok()?;
@@ -180,12 +198,9 @@ impl Phase<'_> {
                 return None;
             }
             let state: State = sibling.read_state(STATE).ok()?;
-            (state.1.preferences_digest.as_deref() == Some(answers)).then(|| {
-                let from = path.display();
-                self.audience
-                    .note(&format!("the reward of {from} is this run's too"));
-                state
-            })
+            let (_, facts) = &state;
+            let same = facts.preferences_digest.as_deref() == Some(answers);
+            same.then_some((sibling, state))
         })
     }
 

@@ -10,7 +10,7 @@ use crate::dataset::Dataset;
 use crate::filter::Kept;
 use crate::preferences::Teacher;
 use crate::rng::Seed;
-use crate::run::{Checkpoint, Clock, RunFolder};
+use crate::run::{Checkpoint, Clock, Phase, RunFolder, Spent};
 use crate::ted::Discounted;
 
 use super::offline::LearnedPolicy;
@@ -24,7 +24,6 @@ pub struct Prepared<'a> {
     pub(super) folder: &'a RunFolder,
     /// The updates that were made and saved before.
     pub(super) saved: Option<Checkpoint>,
-    pub(super) clock: Clock,
     rewards: Rewards,
     ted: Option<TedDiscount>,
     kept: Kept,
@@ -45,22 +44,10 @@ impl<'a> Prepared<'a> {
         audience: Audience,
     ) -> Result<Self, TrainError> {
         check(dataset, config)?;
-        let clock = Clock::start(folder);
-        let prepared = Self::phases(dataset, config, folder, teacher, clock, audience);
-        clock.note(folder)?;
-        prepared
-    }
 
-    fn phases(
-        dataset: &'a Dataset,
-        config: &'a Config,
-        folder: &'a RunFolder,
-        teacher: &mut dyn Teacher,
-        clock: Clock,
-        audience: Audience,
-    ) -> Result<Self, TrainError> {
         // Phase 1 and 2: a reward for each transition.
         let root = Seed::root(config.seed);
+        let clock = Clock::start(folder, Phase::Reward);
         let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
         let returns_hat = rewards.labels.episode_returns(dataset);
 
@@ -68,12 +55,16 @@ impl<'a> Prepared<'a> {
         let kept = config.filter.kept(dataset, &returns_hat)?;
         let ted = config.discount.lookup(&returns_hat)?;
         let discounted = config.discount.apply(dataset, &rewards.labels)?;
+        let saved = folder.newest_checkpoint(config, audience);
+        // Where updates were made before, all of this was done before too, and is only done again.
+        if saved.is_none() && Spent::of(folder).is_none_or(|spent| spent.reward_of.is_none()) {
+            clock.spent().write(folder)?;
+        }
         Ok(Self {
             dataset,
             config,
             folder,
-            saved: folder.newest_checkpoint(config, audience),
-            clock,
+            saved,
             rewards,
             ted,
             kept,
@@ -86,13 +77,6 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// When the controller could not run it, or the disk fails.
     pub fn finish(self, policy: LearnedPolicy) -> Result<Finished, TrainError> {
-        let (clock, folder) = (self.clock, self.folder);
-        let finished = self.export(policy)?;
-        clock.note(folder)?;
-        Ok(finished)
-    }
-
-    fn export(self, policy: LearnedPolicy) -> Result<Finished, TrainError> {
         let policy = match policy {
             LearnedPolicy::Network(policy) => policy,
             LearnedPolicy::Sequence(oppo) => return Ok(Finished::Sequence(oppo)),
@@ -116,6 +100,7 @@ impl<'a> Prepared<'a> {
     pub(super) fn replay(&self) -> Replay<'a> {
         let Discounted { rewards, discounts } = self.discounted.clone();
         Replay::new(self.dataset, rewards, discounts)
+            .seen(self.config.observations)
             .keep(self.kept.clone())
             .answered(self.rewards.answers.clone())
     }

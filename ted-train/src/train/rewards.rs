@@ -41,8 +41,8 @@ pub struct RewardReport {
     pub low: f32,
     /// Largest raw reward of the dataset, which becomes 1.
     pub high: f32,
-    /// Agreement with the true rewards over the dataset.
-    pub quality: RewardQuality,
+    /// Agreement with the true rewards over the dataset; none where there is no reward.
+    pub quality: Option<RewardQuality>,
 }
 
 pub(super) struct Rewards {
@@ -76,21 +76,24 @@ pub(super) fn rewards(
         preferences_digest: facts.preferences_digest,
         low: rewards.labels.range.low,
         high: rewards.labels.range.high,
-        quality: RewardQuality::measure(dataset, &rewards.labels),
+        quality: match config.reward {
+            RewardConfig::None {} => None,
+            _ => Some(RewardQuality::measure(dataset, &rewards.labels)),
+        },
     };
     folder.write_json("reward.json", &report)?;
     if !report.fits.is_empty() {
         curve(folder, config, &report.fits)?;
     }
-    if config.reward.asks() {
+    if let Some(quality) = report.quality.as_ref().filter(|_| report.queries > 0) {
         audience.note(&format!(
             "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
              Pearson {:+.2} over transitions",
             report.queries,
-            report.quality.spearman,
-            report.quality.spearman_low_third,
-            report.quality.spearman_high_third,
-            report.quality.transition_pearson,
+            quality.spearman,
+            quality.spearman_low_third,
+            quality.spearman_high_third,
+            quality.transition_pearson,
         ));
     }
     Ok(rewards)

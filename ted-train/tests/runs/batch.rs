@@ -12,11 +12,14 @@ use ted_train::train::TrainError;
 
 use crate::command::{Desk, SMALL, assert_same_outcome, checkpoints};
 use crate::dataset;
+use crate::presets::SEQUENCE;
 
 fn lane(desk: &Desk, folder: &str, preset: Preset, seed: u64, sets: &[&str]) -> Lane {
     let learns = preset.name().starts_with("oprl");
     let sets = SMALL.iter().chain(sets);
     let sets = sets.filter(|set| learns || !set.starts_with("reward."));
+    let layers = preset != Preset::Oppo;
+    let sets = sets.filter(|set| layers || !set.contains(".hidden="));
     let changes = sets.fold(Overrides::default(), |all, set| all.set(set).unwrap());
     Lane {
         dataset: desk.dataset(),
@@ -74,6 +77,20 @@ fn runs_of_one_batch_leave_the_files_that_each_leaves_alone() {
                 Preset::Zero,
                 2,
                 &[set, "schedule.log_every=2", "schedule.checkpoint_every=11"],
+            ),
+            lane(
+                &desk,
+                &name("oppo"),
+                Preset::Oppo,
+                4,
+                &[&SEQUENCE[..], &[set, "algorithm.steps=20"]].concat(),
+            ),
+            lane(
+                &desk,
+                &name("oppo-too"),
+                Preset::Oppo,
+                5,
+                &[&SEQUENCE[..], &[set, "algorithm.steps=20"]].concat(),
             ),
             // Cannot be a lane of the same learner, and need not be.
             lane(
@@ -203,13 +220,17 @@ fn a_reward_that_takes_long_is_taken_from_a_run_that_has_learned_the_same_and_fr
 
     let of_family = |folder: &str, seed, steps| {
         let plain = lane(folder, Preset::PtTed, seed, steps);
-        let family = introduce(vec![first.clone(), plain]);
-        family.into_iter().next_back().unwrap()
+        let mut family = [first.clone(), plain];
+        introduce(&mut family);
+        let [_, lane] = family;
+        lane
     };
     let same = of_family("same", 0, "reward.steps=6");
     assert_eq!(same.siblings, std::slice::from_ref(&first.folder));
     make(&same);
     assert_eq!(state(&same.folder), state(&marked.folder));
+    let time = fs::read_to_string(same.folder.join("time.json")).unwrap();
+    assert!(time.contains(first.folder.to_str().unwrap()), "{time}");
     for (folder, seed, steps) in [
         ("seed", 1, "reward.steps=6"),
         ("steps", 0, "reward.steps=8"),
@@ -233,7 +254,7 @@ fn a_reward_that_takes_long_is_taken_from_a_run_that_has_learned_the_same_and_fr
 }
 
 #[test]
-fn what_takes_long_is_learned_once_before_everything_that_needs_it() {
+fn a_lane_is_told_of_those_before_it_that_learn_the_same_and_take_long() {
     let desk = Desk::with_dataset();
     let lanes = [
         ("a", Preset::Pt, 0),
@@ -252,16 +273,10 @@ fn what_takes_long_is_learned_once_before_everything_that_needs_it() {
         answers: None,
         siblings: Vec::new(),
     });
-    let lanes = introduce(lanes.to_vec());
-    let order: Vec<_> = lanes.iter().map(|lane| lane.folder.clone()).collect();
-    assert_eq!(
-        order,
-        ["a", "c", "d", "e", "f", "b"].map(|folder| desk.run(folder))
-    );
-    let siblings = |place: usize| lanes[place].siblings.as_slice();
-    assert_eq!(
-        (siblings(0), siblings(5)),
-        (&[desk.run("b")][..], &[desk.run("a")][..])
-    );
-    assert!((1..5).all(|place| siblings(place).is_empty()));
+    let mut lanes = lanes;
+    introduce(&mut lanes);
+    for (place, lane) in lanes.iter().enumerate() {
+        let expected: &[PathBuf] = if place == 1 { &[desk.run("a")] } else { &[] };
+        assert_eq!(lane.siblings, expected, "{place}");
+    }
 }

@@ -6,6 +6,8 @@ use std::process::Stdio;
 use rand::RngExt;
 use ted_train::rng::Seed;
 
+use crate::presets::{SEQUENCE, TRANSFORMER};
+
 use crate::command::{
     Desk, assert_same_outcome, checkpoints, finish, kill, lines, start_until, terminate,
 };
@@ -50,7 +52,11 @@ fn a_run_killed_again_and_again_ends_with_the_bytes_of_one_that_was_left_alone()
     let resumed = fs::read_dir(&killed)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .filter(|name| name.starts_with("events.out.tfevents.") && !name.contains("0000000000"))
+        .filter(|name| {
+            name.starts_with("events.out.tfevents.")
+                && !name.contains("0000000000")
+                && !name.contains("reward")
+        })
         .count();
     assert!(resumed >= 3, "{resumed} resumed event files; {told}");
 }
@@ -99,6 +105,54 @@ fn a_run_asked_to_stop_saves_says_so_and_goes_on_to_the_same_bytes() {
     finish(&mut train("stopped")).with(0);
     finish(&mut train("straight")).with(0);
     assert_same_outcome(&run, &desk.run("straight"));
+}
+
+#[test]
+fn models_of_sequences_that_are_stopped_or_killed_go_on_to_the_same_bytes() {
+    let desk = Desk::with_dataset();
+    // No checkpoint of the policy falls due: the one that is there was made for the stop.
+    let policy = [
+        &SEQUENCE[..],
+        &["algorithm.steps=400", "schedule.checkpoint_every=100000"],
+    ]
+    .concat();
+    let reward = [
+        &TRANSFORMER[..],
+        &["reward.steps=3000", "algorithm.steps=20"],
+    ]
+    .concat();
+    for (preset, sets, file, ends) in [
+        ("oppo", policy, "metrics.jsonl", Some(130)),
+        // Saved after every 500 steps, and then killed.
+        ("pt", reward, "reward.training", None),
+    ] {
+        let train = |out: &str| {
+            let mut command = desk.train(out, preset, &[]);
+            for set in &sets {
+                command.args(["--set", set]);
+            }
+            command
+        };
+        let stopped = desk.run(&format!("{preset}-stopped"));
+        let straight = desk.run(&format!("{preset}-straight"));
+        let [stop, go] = [&stopped, &straight].map(|run| run.display().to_string());
+        let reached = || match ends {
+            Some(_) => lines(&stopped.join(file)) >= 5,
+            None => stopped.join(file).exists(),
+        };
+        let mut child = start_until(&mut train(&stop), reached);
+        if ends.is_some() {
+            terminate(&child);
+            assert_eq!(child.wait().unwrap().code(), ends, "{preset}");
+            assert_eq!(checkpoints(&stopped).len(), 1);
+        } else {
+            assert!(kill(child), "{preset} was caught at work");
+            assert!(checkpoints(&stopped).is_empty());
+        }
+        finish(&mut train(&stop)).with(0);
+        finish(&mut train(&go)).with(0);
+        assert_same_outcome(&stopped, &straight);
+    }
 }
 
 #[test]

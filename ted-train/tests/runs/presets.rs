@@ -9,7 +9,7 @@ use ted_policy::{Artifact, ArtifactBytes};
 use crate::command::{Desk, assert_same_outcome, checkpoints, finish, ted};
 
 /// A Preference Transformer that learns in a moment.
-const TRANSFORMER: [&str; 7] = [
+pub const TRANSFORMER: [&str; 7] = [
     "reward.queries=3",
     "reward.segment=10",
     "reward.width=8",
@@ -20,7 +20,7 @@ const TRANSFORMER: [&str; 7] = [
 ];
 
 /// A sequence policy that learns in a moment.
-const SEQUENCE: [&str; 7] = [
+pub const SEQUENCE: [&str; 7] = [
     "algorithm.queries=3",
     "algorithm.segment=10",
     "algorithm.width=8",
@@ -56,6 +56,8 @@ fn the_list_says_of_every_preset_what_it_is_for_and_where_it_comes_from() {
         }
     }
     assert_eq!(table.lines().count(), rows.len() + 1);
+    let study = finish(ted().args(["study", "policies", "--presets", "list"])).with(0);
+    assert_eq!(study.said, table);
 }
 
 #[test]
@@ -132,6 +134,17 @@ fn a_policy_that_no_controller_can_fly_is_refused_where_an_artefact_is_asked_for
     finish(ted().arg("eval").arg(&run).args(["--numeric", "integer"]))
         .with(2)
         .telling("no integer networks");
+    // Nobody is sent to finish what can never be exported.
+    fs::remove_dir_all(run.join("checkpoints")).unwrap();
+    finish(ted().arg("export").arg(&run))
+        .with(3)
+        .telling("there is no artefact to export or to fly");
+    // Nor does a policy go on without anybody knowing from which answers.
+    finish(&mut desk.train("run", "oppo", &SEQUENCE)).with(0);
+    fs::remove_file(run.join("answers.state")).unwrap();
+    finish(&mut desk.train("run", "oppo", &SEQUENCE))
+        .with(2)
+        .telling("answers.state is gone");
 }
 
 #[test]

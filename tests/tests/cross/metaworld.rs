@@ -87,6 +87,51 @@ fn a_killed_collection_goes_on_to_the_bytes_of_one_that_was_left_alone() {
 }
 
 #[test]
+fn a_policy_for_sequences_flies_the_same_whoever_asks_and_however_many_workers_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    said(&mut collect(root, "20", "2"), &[0]);
+    let mut train = command("ted");
+    train
+        .current_dir(root)
+        .arg("train")
+        .arg(dataset(root, "20"))
+        .args([
+            "--preset",
+            "oppo",
+            "--out",
+            "run",
+            "--json",
+            "--workers",
+            "2",
+        ]);
+    for set in [
+        "algorithm.steps=60",
+        "algorithm.learning_rate=0.01",
+        "algorithm.warmup=1",
+        "algorithm.segment=10",
+        "algorithm.width=8",
+        "algorithm.layers=1",
+        "algorithm.batch=4",
+        "schedule.evaluation_episodes=2",
+    ] {
+        train.args(["--set", set]);
+    }
+    let trained: Value = serde_json::from_str(&said(&mut train, &[0])).unwrap();
+    // It has learned next to nothing and may well leave what the contract allows, but not before it has flown.
+    for fault in trained["faults"].as_array().unwrap() {
+        assert!(fault["tick"].as_u64().unwrap() > 20, "{fault}");
+    }
+    assert_ne!(trained["returns"][0], trained["returns"][1]);
+    assert!(trained["score"].is_number());
+    let mut eval = command("ted");
+    eval.current_dir(root)
+        .args(["eval", "run", "--episodes", "2", "--workers", "1", "--json"]);
+    let evaluated: Value = serde_json::from_str(&said(&mut eval, &[0, 7])).unwrap();
+    assert_eq!(evaluated, trained);
+}
+
+#[test]
 fn the_trainer_s_evaluation_firmware_sim_fly_and_a_cortex_m_agree_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();

@@ -253,8 +253,9 @@ fn reconstruction(prediction: Prediction, clips: &Clips) -> (f32, Prediction) {
 
 /// Shortens a gradient that is longer than `limit`.
 pub(super) fn clip(mut gradients: Vec<&mut Tensor<3>>, limit: f32) {
-    let square = |g: &Tensor<3>| (g.clone() * g.clone()).sum().into_scalar::<f32>();
-    let length = gradients.iter().map(|g| square(g)).sum::<f32>().sqrt();
+    // In order, whatever the number of threads.
+    let square = |g: &Tensor<3>| numbers(g).iter().map(|x| f64::from(x * x)).sum::<f64>();
+    let length = gradients.iter().map(|g| square(g)).sum::<f64>().sqrt() as f32;
     if length > limit {
         for gradient in &mut gradients {
             **gradient = gradient.clone().mul_scalar(limit / length);

@@ -1,6 +1,6 @@
 //! Batches: the right rows joined, standardised, and a function of the step alone.
 
-use crate::algorithm::Replay;
+use crate::algorithm::{ObservationScaling, Replay};
 use crate::dataset::Dataset;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::nn::fixtures::{assert_close, wide};
@@ -73,4 +73,19 @@ fn a_batch_is_a_function_of_the_stream_and_the_step() {
     assert_eq!(rows(stream, 7), seventh);
     assert_ne!(rows(stream, 8), seventh);
     assert_ne!(rows(Seed::root(4), 7), seventh);
+}
+
+#[test]
+fn raw_observations_are_those_of_the_dataset_and_the_policy_is_told() {
+    let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records(&[6, 5])).unwrap();
+    let steps = dataset.step_count();
+    let replay = Replay::new(&dataset, vec![0.0; steps], vec![0.9; steps]);
+    let replay = replay.seen(ObservationScaling::Raw);
+    let batch = replay.batch(Seed::root(3), 0, 20);
+    let rows = batch.observations.chunks(SHAPE.observation);
+    for (row, step) in rows.zip(&batch.transitions) {
+        assert_eq!(row, dataset.observation(*step as usize));
+    }
+    assert_eq!(replay.shift(), [0.0; SHAPE.observation]);
+    assert_eq!(replay.scale(), [1.0; SHAPE.observation]);
 }
