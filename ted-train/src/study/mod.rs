@@ -1,5 +1,6 @@
 //! Studies: the measurements behind the defaults, each a command that prints the table in the docs.
 
+pub mod paper;
 pub mod policies;
 pub mod reward;
 

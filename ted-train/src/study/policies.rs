@@ -145,8 +145,8 @@ pub fn table(scores: &[PolicyScore]) -> String {
             .push(score);
     }
     let mut rows = vec![
-        "| task | preset | seeds | return | normalised score | each seed | success | minutes | Spearman | low third | high third | transition Pearson |".to_owned(),
-        "|---|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
+        "| task | preset | seeds | return | normalised score | each seed | success | the paper's score | minutes | Spearman | low third | high third | transition Pearson |".to_owned(),
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
     ];
     for ((dataset, preset), group) in groups {
         let column = |digits: usize, value: &dyn Fn(&PolicyScore) -> f64| {
@@ -164,12 +164,13 @@ pub fn table(scores: &[PolicyScore]) -> String {
             column(2, &|s| s.reward.quality.as_ref().map_or(f64::NAN, value))
         };
         rows.push(format!(
-            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {minutes} | {rho} | {low} | {high} | {transition} |",
+            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {paper} | {minutes} | {rho} | {low} | {high} | {transition} |",
             seeds = group.len(),
             ret = column(0, &|s| s.evaluation.return_mean),
             score = column(3, &|s| s.evaluation.score.unwrap_or(f64::NAN)),
             each = each.join(", "),
             success = column(2, &|s| s.evaluation.success),
+            paper = paper_score(group[0]),
             minutes = minutes(&group),
             rho = quality(|it| it.spearman),
             low = quality(|it| it.spearman_low_third),
@@ -178,6 +179,15 @@ pub fn table(scores: &[PolicyScore]) -> String {
         ));
     }
     rows.join("\n")
+}
+
+fn paper_score(of: &PolicyScore) -> String {
+    let preset = Preset::try_from(of.preset.clone()).ok();
+    let known = preset.and_then(|preset| super::paper::score(&of.evaluation.task, preset));
+    known.map_or_else(
+        || "-".to_owned(),
+        |[mean, spread]| format!("{mean:.2} ± {spread:.2}"),
+    )
 }
 
 /// Mean wall time of those whose time is known, that of a reward that was taken from another run included.
