@@ -263,7 +263,7 @@ impl Preset {
         };
         let mut schedule = Schedule::default();
         if self == Self::Oppo {
-            // An update takes a second.
+            // An update takes about two seconds.
             (schedule.log_every, schedule.checkpoint_every) = (50, 100);
         }
         Config {
