@@ -94,10 +94,11 @@ impl Desk {
             .arg("train")
             .arg(dataset)
             .args(["--preset", preset, "--out", out]);
-        for set in SMALL.iter().chain(sets) {
-            if (learns || !set.starts_with("reward.")) && (layers || !set.contains(".hidden=")) {
-                command.args(["--set", set]);
-            }
+        let applies = |set: &&&str| {
+            (learns || !set.starts_with("reward.")) && (layers || !set.contains(".hidden="))
+        };
+        for set in SMALL.iter().filter(applies).chain(sets) {
+            command.args(["--set", set]);
         }
         command
     }

@@ -126,13 +126,7 @@ fn models_of_sequences_that_are_stopped_or_killed_go_on_to_the_same_bytes() {
         // Saved after every 500 steps, and then killed.
         ("pt", reward, "reward.training", None),
     ] {
-        let train = |out: &str| {
-            let mut command = desk.train(out, preset, &[]);
-            for set in &sets {
-                command.args(["--set", set]);
-            }
-            command
-        };
+        let train = |out: &str| desk.train(out, preset, &sets);
         let stopped = desk.run(&format!("{preset}-stopped"));
         let straight = desk.run(&format!("{preset}-straight"));
         let [stop, go] = [&stopped, &straight].map(|run| run.display().to_string());

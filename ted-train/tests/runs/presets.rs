@@ -74,19 +74,15 @@ fn every_preset_trains_and_goes_on_to_the_same_bytes_and_what_a_controller_can_f
             "oppo" => sets.extend(SEQUENCE),
             _ => {}
         }
+        match row["reward"].as_str().unwrap() {
+            "transport" => sets.push("reward.experts=2"),
+            "transformer" => sets.extend(TRANSFORMER),
+            _ => {}
+        }
         let straight = desk.run(&format!("{preset}-straight"));
         let resumed = desk.run(&format!("{preset}-resumed"));
         let train = |run: &Path| {
-            let mut command = desk.train(run.to_str().unwrap(), preset, &sets);
-            let of_the_reward: &[&str] = match row["reward"].as_str().unwrap() {
-                "transport" => &["reward.experts=2"],
-                "transformer" => &TRANSFORMER,
-                _ => &[],
-            };
-            for set in of_the_reward {
-                command.args(["--set", set]);
-            }
-            finish(&mut command).with(0);
+            finish(&mut desk.train(run.to_str().unwrap(), preset, &sets)).with(0);
         };
         train(&straight);
         train(&resumed);
@@ -260,18 +256,13 @@ fn contrary(log: &str) -> String {
 fn answers_are_neither_passed_over_nor_changed_behind_a_learned_reward() {
     let desk = Desk::with_dataset();
     for preset in ["oprl-i", "pt", "oppo"] {
-        let train = || {
-            let mut command = desk.train(preset, preset, &["algorithm.steps=20"]);
-            let sets: &[&str] = match preset {
-                "pt" => &TRANSFORMER,
-                "oppo" => &SEQUENCE,
-                _ => &[],
-            };
-            for set in sets {
-                command.args(["--set", set]);
-            }
-            command
+        let sets: &[&str] = match preset {
+            "pt" => &TRANSFORMER,
+            "oppo" => &SEQUENCE,
+            _ => &[],
         };
+        let sets = [&["algorithm.steps=20"], sets].concat();
+        let train = || desk.train(preset, preset, &sets);
         finish(&mut train()).with(0);
         let answers = desk.run(preset).join("preferences.jsonl");
         let given = fs::read_to_string(&answers).unwrap();

@@ -9,20 +9,33 @@ use crate::command::{Desk, assert_same_outcome, checkpoints, finish, ted};
 #[test]
 fn the_number_of_threads_does_not_show_in_any_byte() {
     let desk = Desk::with_dataset();
-    // The widths of a real run, so that the work is split between threads where it ever is.
-    let sets = [
-        "algorithm.hidden=[256, 256]",
-        "algorithm.batch=256",
-        "algorithm.steps=12",
-        "reward.hidden=[256, 256]",
-        "reward.epochs=4",
-    ];
-    for threads in ["1", "2", "5"] {
-        let mut train = desk.train(threads, "oprl-i+ted", &sets);
-        finish(train.env("RAYON_NUM_THREADS", threads)).with(0);
+    // The widths of real runs, so that the work is split between threads where it ever is.
+    let perceptrons = ["algorithm.hidden=[256, 256]", "algorithm.batch=256"];
+    let clips = ["reward.segment=30", "reward.steps=3", "reward.held_out=20"];
+    for (preset, sets) in [
+        ("oprl-i+ted", &["reward.hidden=[256, 256]"][..]),
+        ("oprl", &["algorithm.critic_steps=4"]),
+        ("oprl-atac+ted", &["algorithm.warm_start=6"]),
+        ("pt", &clips),
+        ("otr", &["reward.experts=2"]),
+        ("oppo", &["algorithm.segment=30", "algorithm.steps=3"]),
+        ("bc", &[]),
+    ] {
+        let shared: &[&str] = match preset {
+            "oppo" => &[],
+            _ => &perceptrons,
+        };
+        let sets = [&["algorithm.steps=12"], shared, sets].concat();
+        let run = |threads| {
+            let out = format!("{preset}-{threads}");
+            let mut train = desk.train(&out, preset, &sets);
+            finish(train.env("RAYON_NUM_THREADS", threads)).with(0);
+            desk.run(&out)
+        };
+        let alone = run("1");
+        assert_same_outcome(&alone, &run("2"));
+        assert_same_outcome(&alone, &run("5"));
     }
-    assert_same_outcome(&desk.run("1"), &desk.run("2"));
-    assert_same_outcome(&desk.run("1"), &desk.run("5"));
 }
 
 #[test]

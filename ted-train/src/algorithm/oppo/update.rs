@@ -105,6 +105,10 @@ impl Oppo {
     /// One update: the policy and the encoder continue clips of the dataset, the encoder orders the labelled ones, and the
     /// latent moves to where the better ones are.
     pub fn update(&mut self, dataset: &Dataset, pairs: &[LabelledPair]) -> UpdateLosses {
+        self.backend.run(|| self.update_here(dataset, pairs))
+    }
+
+    fn update_here(&mut self, dataset: &Dataset, pairs: &[LabelledPair]) -> UpdateLosses {
         if self.step.is_multiple_of(2) {
             let mut rng = self.seed.child("batch").rng_at(self.step);
             let batch: Vec<Segment> = (0..self.config.batch)

@@ -53,6 +53,10 @@ impl<'a> Training<'a> {
 
     /// One step on all pairs; returns the loss before it, with what was dropped.
     pub(super) fn update(&mut self) -> f32 {
+        self.transformer.backend.run(|| self.update_here())
+    }
+
+    fn update_here(&mut self) -> f32 {
         let network = &mut self.transformer.network;
         let dropout = Dropout::of_update(self.config.dropout, self.stream, self.step, 2);
         let (scores, tape) = network.scores(&self.clips, &dropout);
