@@ -9,7 +9,7 @@ use crate::filter::FilterConfig;
 use crate::reward::RewardConfig;
 use crate::ted::DiscountConfig;
 
-use super::ranges::{as_written, at_least_one, within};
+use super::ranges::{Table, as_written};
 use super::{Config, ConfigError, Schedule};
 
 impl Config {
@@ -29,8 +29,9 @@ impl Config {
             checkpoint_every,
             ..
         } = self.schedule;
-        at_least_one("schedule.log_every", log_every as f64)?;
-        at_least_one("schedule.checkpoint_every", checkpoint_every as f64)
+        let schedule = Table("schedule");
+        schedule.at_least_one("log_every", log_every as f64)?;
+        schedule.at_least_one("checkpoint_every", checkpoint_every as f64)
     }
 
     /// Whether each choice gives what the next one needs, and is needed itself.
@@ -101,35 +102,30 @@ fn filter(config: &FilterConfig) -> Result<(), ConfigError> {
     match *config {
         FilterConfig::All {} => Ok(()),
         FilterConfig::TopPredicted { k } | FilterConfig::TopTrue { k } => {
-            within("filter.k", k, k > 0.0 && k <= 100.0, "in (0, 100]")
+            Table("filter").within("k", k, k > 0.0 && k <= 100.0, "in (0, 100]")
         }
     }
 }
 
 fn discount(config: &DiscountConfig) -> Result<(), ConfigError> {
-    let share = |field, value: f32| {
-        let value = as_written(value);
-        within(field, value, (0.0..=1.0).contains(&value), "in [0, 1]")
-    };
-    let percent = |k| within("discount.k", k, (0.0..=100.0).contains(&k), "in [0, 100]");
+    let table = Table("discount");
+    let share = |field, value: f32| table.share(field, as_written(value));
     match *config {
-        DiscountConfig::Constant { gamma } => share("discount.gamma", gamma),
+        DiscountConfig::Constant { gamma } => share("gamma", gamma),
         DiscountConfig::Ted { gamma, k, sigma }
         | DiscountConfig::TedTransition { gamma, k, sigma } => {
-            share("discount.gamma", gamma)?;
-            share("discount.sigma", sigma)?;
-            percent(k)
+            share("gamma", gamma)?;
+            share("sigma", sigma)?;
+            table.percent("k", k)
         }
         DiscountConfig::TedSoft { gamma, sigma } => {
-            share("discount.gamma", gamma)?;
-            share("discount.sigma", sigma)
+            share("gamma", gamma)?;
+            share("sigma", sigma)
         }
         DiscountConfig::RewardPenalty { gamma, k, penalty } => {
-            share("discount.gamma", gamma)?;
-            let holds = penalty >= 0.0 && penalty.is_finite();
-            let value = as_written(penalty);
-            within("discount.penalty", value, holds, "in [0, inf)")?;
-            percent(k)
+            share("gamma", gamma)?;
+            table.not_negative("penalty", as_written(penalty))?;
+            table.percent("k", k)
         }
     }
 }

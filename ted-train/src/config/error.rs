@@ -46,11 +46,11 @@ pub enum ConfigError {
     #[error("{field} is {value}, but must be {range}")]
     OutOfRange {
         /// Dotted path of the field.
-        field: &'static str,
+        field: String,
         /// The number.
         value: f64,
         /// Where it must lie.
-        range: &'static str,
+        range: String,
     },
     /// Two choices of which one does not give what the other needs.
     #[error("{choice} does not go with the rest of the configuration: {reason}")]
@@ -64,7 +64,7 @@ pub enum ConfigError {
     #[error("{field} is {hidden:?}, but the controller runs at most {} hidden layers of 1 to {MAX_WIDTH} units", MAX_LAYERS - 1)]
     Widths {
         /// Dotted path of the field.
-        field: &'static str,
+        field: String,
         /// The widths.
         hidden: Vec<usize>,
     },

@@ -7,12 +7,13 @@ use crate::algorithm::bc::BcConfig;
 use crate::algorithm::iql::IqlConfig;
 use crate::algorithm::oppo::OppoConfig;
 use crate::config::ConfigError;
-use crate::config::ranges::{adam, as_written, at_least_one, positive, widths, within};
-use crate::nn::AdamW;
+use crate::config::ranges::{Table, as_written};
+
+const ALGORITHM: Table = Table("algorithm");
 
 pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
-    at_least_one("algorithm.steps", config.steps() as f64)?;
-    at_least_one("algorithm.batch", config.batch() as f64)?;
+    ALGORITHM.at_least_one("steps", config.steps() as f64)?;
+    ALGORITHM.at_least_one("batch", config.batch() as f64)?;
     match config {
         AlgorithmConfig::Iql(config) => iql(config),
         AlgorithmConfig::Atac(config) => atac(config),
@@ -22,132 +23,80 @@ pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
     }
 }
 
-const ADAM: [&str; 3] = [
-    "algorithm.adam.beta1",
-    "algorithm.adam.beta2",
-    "algorithm.adam.epsilon",
-];
-
 fn iql(config: &IqlConfig) -> Result<(), ConfigError> {
-    let IqlConfig { tau, beta, .. } = *config;
-    within("algorithm.tau", tau, tau > 0.0 && tau < 1.0, "in (0, 1)")?;
-    let holds = beta >= 0.0 && beta.is_finite();
-    within("algorithm.beta", beta, holds, "in [0, inf)")?;
+    let tau = config.tau;
+    ALGORITHM.within("tau", tau, tau > 0.0 && tau < 1.0, "in (0, 1)")?;
+    ALGORITHM.not_negative("beta", config.beta)?;
     target_rate(config.target_rate)?;
-    positive("algorithm.learning_rate", config.learning_rate)?;
-    positive("algorithm.advantage_clip", config.advantage_clip)?;
+    ALGORITHM.positive("learning_rate", config.learning_rate)?;
+    ALGORITHM.positive("advantage_clip", config.advantage_clip)?;
     let [low, high] = config.log_std;
-    within(
-        "algorithm.log_std[1]",
-        high,
-        high.is_finite(),
-        "in (-inf, inf)",
-    )?;
+    ALGORITHM.within("log_std[1]", high, high.is_finite(), "in (-inf, inf)")?;
     let holds = low.is_finite() && low <= high;
-    within(
-        "algorithm.log_std[0]",
-        low,
-        holds,
-        "in (-inf, algorithm.log_std[1]]",
-    )?;
-    adam(ADAM, config.adam)?;
-    widths("algorithm.hidden", &config.hidden)
+    ALGORITHM.within("log_std[0]", low, holds, "in (-inf, algorithm.log_std[1]]")?;
+    ALGORITHM.adam("adam", config.adam)?;
+    ALGORITHM.widths("hidden", &config.hidden)
 }
 
 fn atac(config: &AtacConfig) -> Result<(), ConfigError> {
     let (warm, steps) = (config.warm_start, config.steps);
     let range = "less than algorithm.steps: the policy only imitates until then";
-    within("algorithm.warm_start", warm as f64, warm < steps, range)?;
-    let beta = config.beta;
-    let holds = beta >= 0.0 && beta.is_finite();
-    within("algorithm.beta", beta, holds, "in [0, inf)")?;
-    positive("algorithm.fast_rate", config.fast_rate)?;
-    positive("algorithm.slow_rate", config.slow_rate)?;
+    ALGORITHM.within("warm_start", warm as f64, warm < steps, range)?;
+    ALGORITHM.not_negative("beta", config.beta)?;
+    ALGORITHM.positive("fast_rate", config.fast_rate)?;
+    ALGORITHM.positive("slow_rate", config.slow_rate)?;
     target_rate(config.target_rate)?;
-    positive("algorithm.norm_limit", config.norm_limit)?;
+    ALGORITHM.positive("norm_limit", config.norm_limit)?;
     let [low, high] = config.std;
-    positive("algorithm.std[0]", low)?;
+    ALGORITHM.positive("std[0]", low)?;
     let holds = high >= low && high.is_finite();
-    within(
-        "algorithm.std[1]",
-        high,
-        holds,
-        "in [algorithm.std[0], inf)",
-    )?;
-    adam(ADAM, config.adam)?;
-    widths("algorithm.hidden", &config.hidden)
+    ALGORITHM.within("std[1]", high, holds, "in [algorithm.std[0], inf)")?;
+    ALGORITHM.adam("adam", config.adam)?;
+    ALGORITHM.widths("hidden", &config.hidden)
 }
 
 fn awr(config: &AwrConfig) -> Result<(), ConfigError> {
-    at_least_one("algorithm.critic_steps", config.critic_steps as f64)?;
-    at_least_one("algorithm.actor_steps", config.actor_steps as f64)?;
     let (critic, steps) = (config.critic_steps, config.steps);
+    ALGORITHM.at_least_one("critic_steps", critic as f64)?;
+    ALGORITHM.at_least_one("actor_steps", config.actor_steps as f64)?;
     let range = "less than algorithm.steps: the policy learns nothing until then";
-    within(
-        "algorithm.critic_steps",
-        critic as f64,
-        critic < steps,
-        range,
-    )?;
-    let share = |field, value| within(field, value, (0.0..=1.0).contains(&value), "in [0, 1]");
-    positive("algorithm.critic_rate", config.critic_rate)?;
-    positive("algorithm.actor_rate", config.actor_rate)?;
-    let momentum = config.momentum;
-    let holds = (0.0..1.0).contains(&momentum);
-    within("algorithm.momentum", momentum, holds, "in [0, 1)")?;
-    positive("algorithm.value_scale", config.value_scale)?;
-    share("algorithm.lambda", config.lambda)?;
-    positive("algorithm.temperature", config.temperature)?;
-    positive("algorithm.weight_clip", config.weight_clip)?;
-    positive("algorithm.std", config.std)?;
-    positive("algorithm.output_scale", config.output_scale)?;
-    widths("algorithm.hidden", &config.hidden)
+    ALGORITHM.within("critic_steps", critic as f64, critic < steps, range)?;
+    ALGORITHM.positive("critic_rate", config.critic_rate)?;
+    ALGORITHM.positive("actor_rate", config.actor_rate)?;
+    ALGORITHM.below_one("momentum", config.momentum)?;
+    ALGORITHM.positive("value_scale", config.value_scale)?;
+    ALGORITHM.share("lambda", config.lambda)?;
+    ALGORITHM.positive("temperature", config.temperature)?;
+    ALGORITHM.positive("weight_clip", config.weight_clip)?;
+    ALGORITHM.positive("std", config.std)?;
+    ALGORITHM.positive("output_scale", config.output_scale)?;
+    ALGORITHM.widths("hidden", &config.hidden)
 }
 
 fn bc(config: &BcConfig) -> Result<(), ConfigError> {
-    positive("algorithm.learning_rate", config.learning_rate)?;
-    adam(ADAM, config.adam)?;
-    widths("algorithm.hidden", &config.hidden)
+    ALGORITHM.positive("learning_rate", config.learning_rate)?;
+    ALGORITHM.adam("adam", config.adam)?;
+    ALGORITHM.widths("hidden", &config.hidden)
 }
 
 fn oppo(config: &OppoConfig) -> Result<(), ConfigError> {
-    at_least_one("algorithm.queries", config.queries as f64)?;
-    at_least_one("algorithm.segment", config.segment.into())?;
-    at_least_one("algorithm.layers", config.layers as f64)?;
-    at_least_one("algorithm.heads", config.heads as f64)?;
-    let (width, heads) = (config.width, config.heads);
-    let holds = width >= 1 && width.is_multiple_of(heads);
-    let range = "a multiple of algorithm.heads";
-    within("algorithm.width", width as f64, holds, range)?;
-    at_least_one("algorithm.latent", config.latent as f64)?;
-    let dropout = config.dropout;
-    let holds = (0.0..1.0).contains(&dropout);
-    within("algorithm.dropout", dropout, holds, "in [0, 1)")?;
-    positive("algorithm.learning_rate", config.learning_rate)?;
-    positive("algorithm.latent_rate", config.latent_rate)?;
-    positive("algorithm.clip", as_written(config.clip))?;
-    let at_least_zero = |field, value: f64| {
-        let holds = value >= 0.0 && value.is_finite();
-        within(field, value, holds, "in [0, inf)")
-    };
-    at_least_zero("algorithm.preference_weight", config.preference_weight)?;
-    at_least_zero("algorithm.norm_weight", config.norm_weight)?;
-    at_least_zero("algorithm.margin", as_written(config.margin))?;
-    at_least_zero("algorithm.noise", as_written(config.noise))?;
-    let AdamW {
-        adam: constants,
-        weight_decay,
-    } = config.adamw;
-    at_least_zero("algorithm.adamw.weight_decay", weight_decay)?;
-    let fields = [
-        "algorithm.adamw.adam.beta1",
-        "algorithm.adamw.adam.beta2",
-        "algorithm.adamw.adam.epsilon",
-    ];
-    adam(fields, constants)
+    ALGORITHM.at_least_one("queries", config.queries as f64)?;
+    ALGORITHM.at_least_one("segment", config.segment.into())?;
+    ALGORITHM.at_least_one("layers", config.layers as f64)?;
+    ALGORITHM.heads(config.heads, config.width, 1)?;
+    ALGORITHM.at_least_one("latent", config.latent as f64)?;
+    ALGORITHM.below_one("dropout", config.dropout)?;
+    ALGORITHM.positive("learning_rate", config.learning_rate)?;
+    ALGORITHM.positive("latent_rate", config.latent_rate)?;
+    ALGORITHM.positive("clip", as_written(config.clip))?;
+    ALGORITHM.not_negative("preference_weight", config.preference_weight)?;
+    ALGORITHM.not_negative("norm_weight", config.norm_weight)?;
+    ALGORITHM.not_negative("margin", as_written(config.margin))?;
+    ALGORITHM.not_negative("noise", as_written(config.noise))?;
+    ALGORITHM.adamw("adamw", config.adamw)
 }
 
 fn target_rate(rate: f64) -> Result<(), ConfigError> {
     let holds = rate > 0.0 && rate <= 1.0;
-    within("algorithm.target_rate", rate, holds, "in (0, 1]")
+    ALGORITHM.within("target_rate", rate, holds, "in (0, 1]")
 }
