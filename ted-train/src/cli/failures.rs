@@ -20,6 +20,7 @@ use crate::reward::oprl::LearnError;
 use crate::reward::transformer;
 use crate::reward::transport::TransportError;
 use crate::run::RunError;
+use crate::study::cells::CellsError;
 use crate::study::policies::StudyError;
 use crate::train::TrainError;
 use firmware_sim::disk::WriteError;
@@ -155,11 +156,22 @@ impl Ends for FleetError {
     }
 }
 
+impl Ends for CellsError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Disk(error) => error.exit_code(),
+            Self::Io { .. } | Self::Line { .. } => ExitCode::BadInput,
+        }
+    }
+}
+
 impl Ends for StudyError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Config(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
+            Self::OtherDataset { .. } => ExitCode::BadInput,
+            Self::Scores(error) => error.exit_code(),
             Self::Fleet(error) => error.exit_code(),
         }
     }

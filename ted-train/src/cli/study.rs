@@ -9,23 +9,26 @@ use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
 use crate::config::Preset;
-use crate::study::policies::{self, PolicyRun};
+use crate::study::policies;
 use crate::study::reward::{DESIGNS, StudyLog, design_config};
+use crate::study::table::table;
 
 use super::failures::end;
 use super::locate::{dataset_path, open_dataset};
 use super::presets::{self, PresetArg};
+use super::seeds::Seeds;
 
 const EXAMPLES: &str = "\
 Examples:
   ted study reward                                     the table of docs/rewards.md
-  ted study reward --design default --set reward.epochs=400 --seeds 3";
+  ted study reward --design default --set reward.epochs=400 --seeds 0..3";
 
 const POLICIES_EXAMPLES: &str = "\
 Examples:
   ted study policies --set algorithm.steps=50000
-  ted study policies --presets true --seeds 3 --set algorithm.steps=100000 --out runs/study/true-100k
+  ted study policies --presets true --seeds 0..3 --set algorithm.steps=100000 --out runs/study/true-100k
   ted study policies --presets zero,oprl-atac --set algorithm.steps=60000 --set oprl-atac:algorithm.warm_start=10000
+  ted study policies --set algorithm.steps=50000 --scores kept.jsonl      goes on from this file on any machine
   ted study policies --set algorithm.steps=50000 --table     what is finished so far";
 
 const STUDY_EXAMPLES: &str = "\
@@ -67,9 +70,9 @@ struct PoliciesArgs {
         hide_possible_values = true
     )]
     presets: Vec<PresetArg>,
-    /// Seeds 0 to N - 1
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
-    seeds: u64,
+    /// Seeds, such as 0..3 or 1,2
+    #[arg(long, default_value = "0..3")]
+    seeds: Seeds,
     /// A field to change in every run, key=value, or preset,preset:key=value in the runs of these; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
@@ -79,6 +82,10 @@ struct PoliciesArgs {
     /// Where the runs are kept; a stopped study goes on from there
     #[arg(long, default_value = "runs/study/policies")]
     out: PathBuf,
+    /// A file with a line for each finished run, which is then not made again, whatever has become of its folder [default:
+    /// scores.jsonl in --out]
+    #[arg(long)]
+    scores: Option<PathBuf>,
     /// Print the table of what is finished and train nothing
     #[arg(long)]
     table: bool,
@@ -97,9 +104,9 @@ struct RewardArgs {
         default_value = "drawer-open-v3,box-close-v3,sweep-into-v3"
     )]
     datasets: Vec<String>,
-    /// Seeds 0 to N - 1
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
-    seeds: u64,
+    /// Seeds, such as 0..5 or 1,2
+    #[arg(long, default_value = "0..5")]
+    seeds: Seeds,
     /// Only the designs whose name contains this
     #[arg(long)]
     design: Option<String>,
@@ -126,33 +133,15 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
         return args.output.print(&all, || presets::text(&all));
     }
     let presets: Vec<Preset> = args.presets.iter().filter_map(|one| one.preset()).collect();
-    let mut runs = Vec::new();
-    // Seed by seed, so that an unfinished study has something of every row.
-    for seed in 0..args.seeds {
-        for dataset in &args.datasets {
-            runs.extend(presets.iter().map(|&preset| PolicyRun {
-                dataset: dataset.clone(),
-                preset,
-                seed,
-            }));
-        }
-    }
-    // A mistake is told before anything is begun.
-    policies::check(&args.out, &runs, &args.sets).map_err(end)?;
+    let runs = policies::runs(&args.datasets, &presets, &args.seeds.0, &args.sets).map_err(end)?;
+    let in_out = || args.out.join("scores.jsonl");
+    let file = args.scores.clone().unwrap_or_else(in_out);
     if !args.table {
-        let audience = args.output.audience();
-        policies::fill(
-            &args.out,
-            &runs,
-            &args.sets,
-            args.jobs,
-            dataset_path,
-            audience,
-        )
-        .map_err(end)?;
+        let (jobs, audience) = (args.jobs, args.output.audience());
+        policies::fill(&args.out, &file, &runs, jobs, dataset_path, audience).map_err(end)?;
     }
-    let scores = policies::scores(&args.out, &runs);
-    args.output.print(&scores, || policies::table(&scores))
+    let scores = policies::scores(&args.out, &file, &runs).map_err(end)?;
+    args.output.print(&scores, || table(&scores))
 }
 
 fn reward(args: &RewardArgs) -> Result<(), Failure> {
@@ -178,14 +167,14 @@ fn reward(args: &RewardArgs) -> Result<(), Failure> {
         ));
     }
     let mut log = StudyLog::open(&args.out).map_err(end)?;
-    let total = designs.len() as u64 * args.seeds * args.datasets.len() as u64;
-    let progress = args
-        .output
-        .audience()
-        .start("measure reward designs", total, "ensembles");
+    let total = designs.len() * args.seeds.0.len() * args.datasets.len();
+    let progress =
+        args.output
+            .audience()
+            .start("measure reward designs", total as u64, "ensembles");
     for name in &args.datasets {
         let (dataset, _) = open_dataset(name)?;
-        log.fill(&designs, &dataset, args.seeds, &progress)
+        log.fill(&designs, &dataset, &args.seeds.0, &progress)
             .map_err(end)?;
     }
     progress.finish();

@@ -111,7 +111,7 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
             }
         };
     }
-    let ends = fleet::run(&lanes, &datasets, args.jobs, audience);
+    let ends = fleet::run(&lanes, &datasets, args.jobs, audience, |_| ());
     let report = FleetReport::of(&lanes, &ends);
     args.output.print(&report, || report.text())?;
     match fleet::first_failure(&lanes, ends) {

@@ -10,7 +10,7 @@ const DISK_NEEDED_MIB: u64 = 2048;
 /// What training on that dataset needs.
 const MEMORY_NEEDED_MIB: u64 = 2048;
 
-/// Architecture, cores, and the vector instructions that the trainer's kernels choose from.
+/// Model where the system says it, architecture, cores, and the vector instructions that the trainer's kernels choose from.
 #[must_use]
 pub fn processor() -> String {
     let cores = thread::available_parallelism().map_or(1, usize::from);
@@ -20,7 +20,18 @@ pub fn processor() -> String {
     } else {
         features.join(" ")
     };
-    format!("{}, {cores} cores, {vectors}", std::env::consts::ARCH)
+    let model = fs::read_to_string("/proc/cpuinfo").ok();
+    let model = model.as_deref().and_then(cpuinfo_model);
+    let model = model.map_or(String::new(), |model| format!("{model}, "));
+    format!(
+        "{model}{}, {cores} cores, {vectors}",
+        std::env::consts::ARCH
+    )
+}
+
+fn cpuinfo_model(text: &str) -> Option<&str> {
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim())
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -135,6 +146,13 @@ mod tests {
                     map auto home 41152832 1048576 2097152 4% /data";
         assert_eq!(df_mib(text), Some(2048));
         assert_eq!(df_mib("df: nowhere"), None);
+    }
+
+    #[test]
+    fn the_model_is_read_from_cpuinfo() {
+        let text = "processor\t: 0\nmodel name\t: AMD EPYC 9R14\nmodel name\t: another\n";
+        assert_eq!(cpuinfo_model(text), Some("AMD EPYC 9R14"));
+        assert_eq!(cpuinfo_model("BogoMIPS\t: 100\n"), None);
     }
 
     #[test]

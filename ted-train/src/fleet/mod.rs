@@ -26,12 +26,14 @@ use rayon::ThreadPoolBuilder;
 use crate::train::Watch;
 
 /// Trains and flies every lane, at most `jobs` batches at a time, and says of each how it ended, in the order of the lanes.
-/// One that fails does not stop the others; a request to stop stops all of them, and the same call goes on.
+/// One that fails does not stop the others; a request to stop stops all of them, and the same call goes on. `ended` is told
+/// the place of each when it has ended.
 pub fn run(
     lanes: &[Lane],
     datasets: &Datasets,
     jobs: Option<NonZeroUsize>,
     audience: Audience,
+    ended: impl Fn(usize) + Sync,
 ) -> Vec<Result<Trained, LaneError>> {
     let updates = lanes.iter().map(|lane| lane.config.algorithm.steps()).sum();
     let progress = audience.start("train", updates, "updates");
@@ -40,13 +42,14 @@ pub fn run(
     let ends = Mutex::new(Vec::new());
     crew.share_out(batches, |batch| {
         let (places, batch): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
-        let ended = one(&batch, datasets, crew.threads, &progress);
-        for (lane, end) in batch.iter().zip(&ended) {
+        let outcomes = one(&batch, datasets, crew.threads, &progress);
+        for (lane, end) in batch.iter().zip(&outcomes) {
             progress.note(&describe(lane, end));
         }
+        places.iter().for_each(|place| ended(*place));
         // Nothing panics while it holds this.
         let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
-        ends.extend(places.into_iter().zip(ended));
+        ends.extend(places.into_iter().zip(outcomes));
         progress.message(&format!("{} of {} runs ended", ends.len(), lanes.len()));
     });
     progress.finish();
@@ -116,5 +119,37 @@ fn describe(lane: &Lane, end: &Result<Trained, LaneError>) -> String {
         }
         Ok(_) => format!("{folder}: trained"),
         Err(error) => format!("{folder}: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::config::Preset;
+
+    #[test]
+    fn the_place_of_every_lane_is_told_once_also_of_those_that_are_begun_last() {
+        let lane = |preset: Preset, name: &str| Lane {
+            dataset: PathBuf::from("/nowhere"),
+            config: preset.config(),
+            folder: PathBuf::from("/nowhere").join(name),
+            answers: None,
+            siblings: Vec::new(),
+        };
+        let mut lanes = [
+            lane(Preset::Pt, "a"),
+            lane(Preset::PtTed, "b"),
+            lane(Preset::True, "c"),
+        ];
+        introduce(&mut lanes);
+        let told = Mutex::new(Vec::new());
+        let one = NonZeroUsize::new(1);
+        let ends = run(&lanes, &Datasets::default(), one, Audience::Nobody, |at| {
+            told.lock().unwrap().push(at);
+        });
+        assert!(ends.iter().all(Result::is_err));
+        assert_eq!(told.into_inner().unwrap(), [0, 2, 1]);
     }
 }

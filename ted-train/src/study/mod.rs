@@ -1,8 +1,10 @@
 //! Studies: the measurements behind the defaults, each a command that prints the table in the docs.
 
+pub mod cells;
 pub mod paper;
 pub mod policies;
 pub mod reward;
+pub mod table;
 
 /// Mean and sample standard deviation of the seeds, each number as `text` writes it; one seed has no deviation.
 fn spread(values: &[f64], text: impl Fn(f64) -> String) -> String {

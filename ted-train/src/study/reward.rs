@@ -4,8 +4,7 @@
 //! several tasks and seeds. Each cell of the study is appended to a JSONL file as it is measured; a stopped study goes on.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use firmware_sim::interrupt;
@@ -22,6 +21,8 @@ use crate::reward::{Labels, RewardConfig, ensemble_labels};
 use crate::rng::Seed;
 use crate::train::TrainError;
 use firmware_sim::disk::{self, WriteError};
+
+use super::cells::{self, CellsError};
 
 /// The designs that are compared: a name and what it changes of the defaults.
 pub const DESIGNS: [(&str, &[&str]); 9] = [
@@ -135,55 +136,22 @@ pub struct StudyLog {
 }
 
 impl StudyLog {
-    /// Opens the log of a folder or begins one. A last line that was torn by a kill is measured again.
+    /// Opens the log of a folder or begins one.
     ///
     /// # Errors
-    /// When another process has the folder, the disk fails, or a whole line is not a cell: nothing is changed then.
-    pub fn open(folder: &Path) -> Result<Self, WriteError> {
+    /// When another process has the folder, the disk fails, or a line is not a cell: nothing is changed then.
+    pub fn open(folder: &Path) -> Result<Self, CellsError> {
         disk::create_folder(folder)?;
         let lock = disk::lock(folder)?;
-        let path = folder.join("cells.jsonl");
-        let held = match std::fs::read(&path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-            held => held.map_err(|error| WriteError::at(&path, error))?,
-        };
-        let whole = held
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |end| end + 1);
-        let cells = held[..whole]
-            .split_inclusive(|&b| b == b'\n')
-            .enumerate()
-            .map(|(line, text)| {
-                serde_json::from_slice(text).map_err(|error| WriteError::Different {
-                    path: path.clone(),
-                    difference: format!("line {} is not a cell of this study: {error}", line + 1),
-                })
-            })
-            .collect::<Result<_, _>>()?;
-        if whole < held.len() {
-            disk::replace(&path, &held[..whole])?;
-        }
         Ok(Self {
             folder: folder.to_path_buf(),
             _lock: lock,
-            cells,
+            cells: cells::read(&folder.join("cells.jsonl"))?,
         })
     }
 
-    fn path(&self) -> PathBuf {
-        self.folder.join("cells.jsonl")
-    }
-
     fn push(&mut self, cell: Cell) -> Result<(), WriteError> {
-        let path = self.path();
-        let line = serde_json::to_string(&cell).expect("a cell is plain data") + "\n";
-        OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(&path)
-            .and_then(|mut file| file.write_all(line.as_bytes()))
-            .map_err(|source| WriteError::at(&path, source))?;
+        cells::append(&self.folder.join("cells.jsonl"), &cell)?;
         self.cells.push(cell);
         Ok(())
     }
@@ -196,12 +164,12 @@ impl StudyLog {
         &mut self,
         designs: &[(String, OprlConfig)],
         dataset: &Dataset,
-        seeds: u64,
+        seeds: &[u64],
         progress: &Progress,
     ) -> Result<(), TrainError> {
         let task = dataset.task().unwrap_or("unknown").to_owned();
         for (design, config) in designs {
-            for seed in 0..seeds {
+            for &seed in seeds {
                 if interrupt::requested() {
                     return Err(LearnError::Interrupted.into());
                 }
@@ -270,27 +238,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_torn_last_line_is_dropped_and_a_damaged_one_is_named_and_kept() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("cells.jsonl");
-        std::fs::write(&path, b"{\"design\": \"def").unwrap();
-        assert!(StudyLog::open(folder.path()).unwrap().cells.is_empty());
-        assert_eq!(std::fs::read(&path).unwrap(), b"");
-
-        let damaged = b"\xff\n";
-        std::fs::write(&path, damaged).unwrap();
-        let error = StudyLog::open(folder.path()).err().unwrap().to_string();
-        assert!(error.contains("line 1"), "{error}");
-        assert_eq!(std::fs::read(&path).unwrap(), damaged);
-    }
-
-    #[test]
     fn two_processes_do_not_measure_into_one_folder() {
         let folder = tempfile::tempdir().unwrap();
         let first = StudyLog::open(folder.path()).unwrap();
         assert!(matches!(
             StudyLog::open(folder.path()),
-            Err(WriteError::Busy { .. })
+            Err(CellsError::Disk(WriteError::Busy { .. }))
         ));
         drop(first);
         assert!(StudyLog::open(folder.path()).is_ok());

@@ -169,3 +169,49 @@ fn the_trainer_s_evaluation_firmware_sim_fly_and_a_cortex_m_agree_to_the_bit() {
         assert_eq!(on_board["episodes"][0], host["episodes"][0], "{numbers}");
     }
 }
+
+#[test]
+fn a_study_goes_on_from_its_file_of_scores_when_the_runs_are_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    said(&mut collect(root, "20", "2"), &[0]);
+    let study = |presets: &str| -> Value {
+        let mut study = command("ted");
+        study
+            .current_dir(root)
+            .args(["study", "policies", "--seeds", "0", "--out", "runs"])
+            .args(["--scores", "kept/scores.jsonl", "--json"])
+            .args(["--presets", presets, "--datasets"])
+            .arg(dataset(root, "20"));
+        for set in [
+            "algorithm.steps=20",
+            "algorithm.hidden=[32]",
+            "schedule.evaluation_episodes=1",
+        ] {
+            study.args(["--set", set]);
+        }
+        serde_json::from_str(&said(&mut study, &[0])).unwrap()
+    };
+    let lines = || fs::read_to_string(root.join("kept/scores.jsonl")).unwrap();
+
+    let first = study("bc");
+    assert_eq!(first[0]["config"]["preset"], "bc");
+    assert_eq!(
+        first[0]["evaluation"]["returns"].as_array().unwrap().len(),
+        1
+    );
+    let before = lines();
+    fs::remove_dir_all(root.join("runs")).unwrap();
+    let both = study("bc,zero");
+    assert_eq!(both[0], first[0]);
+    assert_eq!(both[1]["config"]["preset"], "zero");
+    let after = lines();
+    assert_eq!(after.strip_prefix(&before).unwrap().lines().count(), 1);
+    let made: Vec<_> = contents(&root.join("runs"))
+        .into_iter()
+        .map(|(name, _)| name)
+        .filter(|name| name.ends_with("evaluation.json"))
+        .collect();
+    assert_eq!(made.len(), 1, "{made:?}");
+    assert!(made[0].components().any(|part| part.as_os_str() == "zero"));
+}

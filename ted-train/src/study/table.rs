@@ -1,0 +1,71 @@
+//! The table that a study of policies prints.
+
+use std::collections::BTreeMap;
+
+use crate::reward::quality::RewardQuality;
+
+use super::policies::PolicyScore;
+
+/// A Markdown table: a row for each task and preset, mean and sample standard deviation over seeds.
+#[must_use]
+pub fn table(scores: &[PolicyScore]) -> String {
+    let mut groups: BTreeMap<(&str, &str), Vec<&PolicyScore>> = BTreeMap::new();
+    for score in scores {
+        groups
+            .entry((&score.dataset, score.config.preset.name()))
+            .or_default()
+            .push(score);
+    }
+    let mut rows = vec![
+        "| task | preset | seeds | return | normalised score | each seed | success | the paper's score | minutes | Spearman | low third | high third | transition Pearson |".to_owned(),
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
+    ];
+    for ((dataset, preset), group) in groups {
+        let column = |digits: usize, value: &dyn Fn(&PolicyScore) -> f64| {
+            let values: Vec<_> = group.iter().map(|s| value(s)).collect();
+            super::spread(&values, |value| format!("{value:.digits$}"))
+        };
+        let each: Vec<String> = group
+            .iter()
+            .map(|s| format!("{:.3}", s.evaluation.score.unwrap_or(f64::NAN)))
+            .collect();
+        let quality = |value: fn(&RewardQuality) -> f64| {
+            if group.iter().any(|s| s.quality.is_none()) {
+                return "-".to_owned();
+            }
+            column(2, &|s| s.quality.as_ref().map_or(f64::NAN, value))
+        };
+        rows.push(format!(
+            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {paper} | {minutes} | {rho} | {low} | {high} | {transition} |",
+            seeds = group.len(),
+            ret = column(0, &|s| s.evaluation.return_mean),
+            score = column(3, &|s| s.evaluation.score.unwrap_or(f64::NAN)),
+            each = each.join(", "),
+            success = column(2, &|s| s.evaluation.success),
+            paper = paper_score(group[0]),
+            minutes = minutes(&group),
+            rho = quality(|it| it.spearman),
+            low = quality(|it| it.spearman_low_third),
+            high = quality(|it| it.spearman_high_third),
+            transition = quality(|it| it.transition_pearson),
+        ));
+    }
+    rows.join("\n")
+}
+
+fn paper_score(of: &PolicyScore) -> String {
+    let known = super::paper::score(&of.evaluation.task, of.config.preset);
+    known.map_or_else(
+        || "-".to_owned(),
+        |[mean, spread]| format!("{mean:.2} ± {spread:.2}"),
+    )
+}
+
+/// Mean wall time of those whose time is known.
+fn minutes(group: &[&PolicyScore]) -> String {
+    let known: Vec<f64> = group.iter().filter_map(|score| score.minutes).collect();
+    match known.len() {
+        0 => "-".to_owned(),
+        count => format!("{:.1}", known.iter().sum::<f64>() / count as f64),
+    }
+}
