@@ -1,7 +1,7 @@
 //! What a study has measured: a file with a line of JSON for each cell, appended as it is measured, so that a stopped study
 //! goes on.
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -60,6 +60,16 @@ pub fn read<C: DeserializeOwned>(path: &Path) -> Result<Vec<C>, CellsError> {
     lines.map(cell).collect()
 }
 
+/// Whether cells can be added to a file, which is begun if there is none: to know before long work, not after.
+///
+/// # Errors
+/// When the disk is full or the file cannot be written.
+pub fn check_writable(path: &Path) -> Result<(), WriteError> {
+    disk::create_folder(folder_of(path))?;
+    open(path).map_err(|source| WriteError::at(path, source))?;
+    Ok(())
+}
+
 /// Adds a cell to a file, which is begun if there is none, and waits until it is on the disk. Several processes may do so.
 ///
 /// # Errors
@@ -69,16 +79,23 @@ pub fn read<C: DeserializeOwned>(path: &Path) -> Result<Vec<C>, CellsError> {
 /// Never: a cell is plain data.
 pub fn append<C: Serialize + DeserializeOwned>(path: &Path, cell: &C) -> Result<(), WriteError> {
     let line = serde_json::to_string(cell).expect("a cell is plain data") + "\n";
-    let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    disk::create_folder(folder)?;
+    disk::create_folder(folder_of(path))?;
     append_line::<C>(path, &line).map_err(|source| WriteError::at(path, source))?;
-    disk::sync_folder(folder)
+    disk::sync_folder(folder_of(path))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+    folder.unwrap_or(Path::new("."))
+}
+
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).append(true).create(true).open(path)
 }
 
 fn append_line<C: DeserializeOwned>(path: &Path, line: &str) -> io::Result<()> {
-    let mut options = OpenOptions::new();
-    let mut file = options.read(true).append(true).create(true).open(path)?;
+    let mut file = open(path)?;
     file.lock()?;
     let mut held = Vec::new();
     file.read_to_end(&mut held)?;

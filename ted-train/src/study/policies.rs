@@ -115,7 +115,8 @@ pub fn runs(
 ///
 /// # Errors
 /// Before anything is begun, when a run without a score was begun in its folder with other settings, and when there are scores
-/// of another dataset of the same name. Then the first failure of a run or of the disk; the other runs are finished first.
+/// of another dataset of the same name, or no place for these. Then the first failure of a run or of the disk; the other runs
+/// are finished first.
 pub fn fill(
     out: &Path,
     scores: &Path,
@@ -149,6 +150,9 @@ pub fn fill(
         .iter()
         .map(|(name, digest)| (*name, digest.as_str()));
     one_dataset_a_name(scores, of_scores.chain(here))?;
+    if !missing.is_empty() {
+        cells::check_writable(scores).map_err(CellsError::from)?;
+    }
     for score in &found {
         cells::append(scores, score).map_err(CellsError::from)?;
     }
@@ -403,6 +407,17 @@ mod tests {
         assert!(row.starts_with("| reach-v3 | true | 2 |"), "{row}");
         assert!(row.contains("0.250, 0.250"), "{row}");
         assert_eq!(scores(&two(&["algorithm.steps=50"])), []);
+    }
+
+    #[test]
+    fn a_place_where_no_score_can_be_written_is_told_before_anything_is_begun() {
+        let out = tempfile::tempdir().unwrap();
+        let (out, runs) = (out.path(), two(&[]));
+        let scores = Path::new("/proc/no-such-folder/scores.jsonl");
+        let locate = |_: &str| PathBuf::from("/nowhere");
+        let error = fill(out, scores, &runs, None, locate, Audience::Nobody).unwrap_err();
+        assert!(matches!(error, StudyError::Scores(_)), "{error}");
+        assert!(error.to_string().contains("cannot write"), "{error}");
     }
 
     #[test]
