@@ -82,7 +82,7 @@ pub enum StudyError {
     Fleet(#[from] FleetError),
 }
 
-/// Every combination, seed by seed, so that an unfinished study has something of every row.
+/// Every combination once, seed by seed, so that an unfinished study has something of every row.
 ///
 /// # Errors
 /// Names a change that cannot be made.
@@ -100,10 +100,14 @@ pub fn runs(
     for &seed in seeds {
         for dataset in datasets {
             for &preset in presets {
-                runs.push(PolicyRun {
+                let run = PolicyRun {
                     dataset: dataset.clone(),
                     config: changes.resolve(Some(preset), Some(seed))?,
-                });
+                };
+                // A name that was given twice is a slip of the finger; counted twice, its spread would look too small.
+                if !runs.contains(&run) {
+                    runs.push(run);
+                }
             }
         }
     }
@@ -418,6 +422,16 @@ mod tests {
         let error = fill(out, scores, &runs, None, locate, Audience::Nobody).unwrap_err();
         assert!(matches!(error, StudyError::Scores(_)), "{error}");
         assert!(error.to_string().contains("cannot write"), "{error}");
+    }
+
+    #[test]
+    fn what_is_named_twice_is_one_run() {
+        let (tasks, presets) = (["a", "b", "a"].map(str::to_owned), [Preset::Bc, Preset::Bc]);
+        let runs = runs(&tasks, &presets, &[1, 0], &[]).unwrap();
+        let named = runs
+            .iter()
+            .map(|run| (run.dataset.as_str(), run.config.seed));
+        assert!(named.eq([("a", 1), ("b", 1), ("a", 0), ("b", 0)]));
     }
 
     #[test]
