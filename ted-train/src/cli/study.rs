@@ -141,6 +141,19 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
         policies::fill(&args.out, &file, &runs, jobs, dataset_path, audience).map_err(end)?;
     }
     let scores = policies::scores(&args.out, &file, &runs).map_err(end)?;
+    // An empty table would look like a study that has only begun.
+    if args.table && scores.is_empty() {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "none of the {} runs asked for has a score in {} or is finished under {}: a run is known by all of its settings, so \
+                 give the --set, --scores and --out of the study, or make the runs, without --table",
+                runs.len(),
+                file.display(),
+                args.out.display()
+            ),
+        ));
+    }
     args.output.print(&scores, || table(&scores))
 }
 
