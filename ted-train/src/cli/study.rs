@@ -147,7 +147,7 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
             ExitCode::Usage,
             format_args!(
                 "none of the {} runs asked for has a score in {} or is finished under {}: a run is known by all of its settings, so \
-                 give the --set, --scores and --out of the study, or make the runs, without --table",
+                 give the --datasets, --set, --scores and --out of the study, or make them, without --table",
                 runs.len(),
                 file.display(),
                 args.out.display()
