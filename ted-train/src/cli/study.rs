@@ -146,7 +146,7 @@ fn policies(args: &PoliciesArgs) -> Result<(), Failure> {
         return Err(Failure::new(
             ExitCode::Usage,
             format_args!(
-                "none of the {} runs asked for has a score in {} or is finished under {}: a run is known by all of its settings, so \
+                "no run of those asked for ({} in all) has a score in {} or is finished under {}: a run is known by all of its settings, so \
                  give the --datasets, --set, --scores and --out of the study, or make them, without --table",
                 runs.len(),
                 file.display(),

@@ -11,3 +11,4 @@ mod interruptions;
 mod preference_files;
 mod presets;
 mod repeatability;
+mod studies;

@@ -61,21 +61,6 @@ fn the_list_says_of_every_preset_what_it_is_for_and_where_it_comes_from() {
 }
 
 #[test]
-fn a_table_of_no_finished_run_is_an_error_that_says_where_it_looked() {
-    let desk = Desk::new();
-    let scores = desk.run("misspelt.jsonl");
-    let out = desk.run("study");
-    let mut study = ted();
-    study.args(["study", "policies", "--presets", "zero", "--table"]);
-    study.arg("--scores").arg(&scores).arg("--out").arg(&out);
-    finish(&mut study)
-        .with(2)
-        .telling(scores.to_str().unwrap())
-        .telling(out.to_str().unwrap());
-    assert!(!scores.exists() && !out.exists());
-}
-
-#[test]
 fn every_preset_trains_and_goes_on_to_the_same_bytes_and_what_a_controller_can_fly_leaves_an_artefact()
  {
     let desk = Desk::with_dataset();
