@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ContractFault, LoadError};
 
 use crate::algorithm::oppo::{Oppo, SequencePilot};
+use crate::contract::ContractText;
 use crate::dataset::Dataset;
-use crate::export::ContractText;
 use crate::run::{EVALUATION, RunFolder};
 
 /// How a policy flew.

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::Dataset;
-use crate::ted::{ranking, share};
+use crate::ranking::{ranking, share};
 
 /// The choice of episodes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,11 @@
 
 pub mod algorithm;
 pub mod bench;
+pub mod checkpoint;
 pub mod cli;
 pub mod collect;
 pub mod config;
+pub mod contract;
 pub mod crosscheck;
 pub mod dataset;
 pub mod doctor;
@@ -18,6 +20,7 @@ pub mod nn;
 pub mod preferences;
 pub mod quantise;
 pub mod quickstart;
+mod ranking;
 pub mod replay;
 pub mod reward;
 pub mod rng;

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use ted_core::{DiscountClass, DiscountError, NEW_EPISODE, ReturnThreshold, TedDiscount};
 
 use crate::dataset::Dataset;
+use crate::ranking::{ranking, share};
 use crate::reward::Labels;
 
 /// The choice of a discount rule.
@@ -204,20 +205,6 @@ pub fn classes(ted: &TedDiscount, returns_hat: &[f32]) -> Vec<DiscountClass> {
         ted.class(return_hat, u32::try_from(index).unwrap_or(NEW_EPISODE))
     };
     returns_hat.iter().enumerate().map(class).collect()
-}
-
-/// Episodes by their return, highest first; between equal returns the earlier episode wins.
-pub(crate) fn ranking(returns: &[f64]) -> Vec<usize> {
-    let mut ranking: Vec<usize> = (0..returns.len()).collect();
-    // Adding zero makes -0.0 the 0.0 that it compares as.
-    let key = |i: usize| returns[i] + 0.0;
-    ranking.sort_by(|&i, &j| key(j).total_cmp(&key(i)));
-    ranking
-}
-
-/// How many of `count` are the top `k` percent, rounded to the nearest; between two, up.
-pub(crate) fn share(count: usize, k: f64) -> usize {
-    (count as f64 * k / 100.0).round() as usize
 }
 
 /// The border of the top `k` percent, rounded to whole episodes. `exact` brings a return to a number that orders as it does:

@@ -1,5 +1,6 @@
 //! What ARCHITECTURE.md and CONTRIBUTING.md promise about the source itself.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -68,6 +69,81 @@ fn the_crates_depend_on_each_other_in_one_line() {
             LINE[own]
         );
     }
+}
+
+#[test]
+fn no_module_of_the_trainer_needs_one_that_needs_it() {
+    let source = root().join("ted-train/src");
+    let lib = fs::read_to_string(source.join("lib.rs")).unwrap();
+    let modules: Vec<&str> = lib
+        .lines()
+        .filter_map(|line| line.split_once("mod ")?.1.strip_suffix(';'))
+        .collect();
+    let mut needs: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for path in files(&["rs"]) {
+        let Some(own) = path.strip_prefix(&source).ok().and_then(|path| {
+            let top = path.iter().next()?.to_str()?;
+            modules
+                .iter()
+                .find(|&&it| it == top.trim_end_matches(".rs"))
+        }) else {
+            continue;
+        };
+        needs
+            .entry(own)
+            .or_default()
+            .extend(used(&path, &modules).filter(|other| other != own));
+    }
+    assert_eq!(needs.len(), modules.len(), "every module was found");
+    // Whoever needs nobody that is left is in no circle, and neither is whom nobody needs that is left.
+    while let Some(free) = needs.keys().copied().find(|name| {
+        let needs_nobody = needs[name].iter().all(|it| !needs.contains_key(it));
+        needs_nobody || !needs.values().any(|on| on.contains(name))
+    }) {
+        needs.remove(free);
+    }
+    let left: Vec<&str> = needs.keys().copied().collect();
+    for on in needs.values_mut() {
+        on.retain(|it| left.contains(it));
+    }
+    assert!(needs.is_empty(), "modules in circles: {needs:?}");
+}
+
+/// The modules that the code of a file names by `crate::`, its tests and comments left out.
+fn used<'m>(path: &Path, modules: &[&'m str]) -> impl Iterator<Item = &'m str> {
+    let is_test = path.iter().any(|part| part == "tests")
+        || ["tests.rs", "fixtures.rs"]
+            .iter()
+            .any(|end| path.to_string_lossy().ends_with(end));
+    let text = if is_test {
+        String::new()
+    } else {
+        fs::read_to_string(path).unwrap()
+    };
+    let code = text
+        .split("#[cfg(test)]\nmod tests {")
+        .next()
+        .unwrap_or_default();
+    let code: Vec<&str> = code
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .collect();
+    let code = code.join("\n");
+    let names: BTreeSet<String> = code
+        .split("crate::")
+        .skip(1)
+        .map(|rest| {
+            rest.chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect()
+        })
+        .collect();
+    let modules: Vec<&str> = modules
+        .iter()
+        .copied()
+        .filter(|it| names.contains(*it))
+        .collect();
+    modules.into_iter()
 }
 
 #[test]

@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 
 use super::Replay;
 use super::oppo::Oppo;
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::nn::ExportedMlp;
-use crate::run::{Checkpoint, ForeignCheckpoint};
 
 /// A learner of one policy for each of its lanes, which make every update together and share nothing.
 pub trait Learner: Send {

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::learner::{Learner, Losses, Metrics, Policy, metrics};
 use super::{Batch, Replay};
 use super::{atac, awr, bc, iql};
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::rng::Seed;
-use crate::run::{Checkpoint, ForeignCheckpoint};
 
 /// A learner, and where its batches come from.
 pub(super) struct OfTransitions<L> {

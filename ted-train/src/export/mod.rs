@@ -1,14 +1,11 @@
 //! From a trained run to the artefact that a controller flies.
 
-mod contract;
-
-pub use contract::{ContractText, channel_text};
-
 use firmware_sim::disk::WriteError as WriteFileError;
 use ted_core::integer::IntegerError;
 use ted_core::{DiscountClass, Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
 use ted_policy::{ArtifactSpec, Digest, Provenance, WriteError};
 
+use crate::contract::ContractText;
 use crate::dataset::Dataset;
 use crate::nn::ExportedMlp;
 use crate::quantise::{Originals, QuantisationReport, QuantisedNetworks};

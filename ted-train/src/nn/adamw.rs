@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::adam::{Adam, Moments};
 use super::host::{self, in_place};
-use crate::run::{Checkpoint, ForeignCheckpoint};
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 
 /// Constants of the optimiser; the step size is an argument of each step because it follows a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,7 +7,7 @@ use ted_core::Normaliser;
 use ted_core::quantised::resolution;
 
 use super::network::NetworkReport;
-use crate::export::channel_text;
+use crate::contract::channel_text;
 
 /// Where a position is resolved too coarsely: a tenth of a millimetre, a hundredth of a full action in Meta-World.
 const COARSE_MM: f64 = 0.1;

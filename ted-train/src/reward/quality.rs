@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::Dataset;
-use crate::ted::ranking;
+use crate::ranking::{ranking, ranks};
 
 use super::Labels;
 
@@ -111,24 +111,6 @@ pub fn pearson(a: &[f64], b: &[f64]) -> f64 {
 #[must_use]
 pub fn spearman(a: &[f64], b: &[f64]) -> f64 {
     pearson(&ranks(a), &ranks(b))
-}
-
-/// The place of each value among all, 0 for the highest, ties sharing their mean place.
-pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
-    let order = ranking(values);
-    let mut ranks = vec![0.0; values.len()];
-    let mut start = 0;
-    while start < order.len() {
-        let tied = order[start..]
-            .iter()
-            .take_while(|&&i| values[i] == values[order[start]])
-            .count();
-        for &i in &order[start..start + tied] {
-            ranks[i] = start as f64 + (tied as f64 - 1.0) / 2.0;
-        }
-        start += tied;
-    }
-    ranks
 }
 
 fn pick(values: &[f64], set: &[usize]) -> Vec<f64> {

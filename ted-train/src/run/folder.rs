@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::config::{Config, ConfigError};
 use firmware_sim::disk::{self, WriteError};
 use firmware_sim::progress::Audience;
 
 use super::sealed::{self, SealedError};
-use super::{Checkpoint, ForeignCheckpoint};
 
 /// Every question asked, and its answer.
 pub const PREFERENCES: &str = "preferences.jsonl";

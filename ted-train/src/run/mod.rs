@@ -16,7 +16,6 @@
 //! time.json            how long it took; never compared between runs
 //! ```
 
-mod checkpoint;
 mod clock;
 mod events;
 mod folder;
@@ -24,8 +23,6 @@ mod metrics;
 mod saver;
 mod sealed;
 
-pub(crate) use checkpoint::Visit;
-pub use checkpoint::{Checkpoint, ForeignCheckpoint, NamedTensor};
 pub use clock::{Clock, Phase, Spent};
 pub use events::EventWriter;
 pub use folder::{

@@ -5,7 +5,9 @@ use std::thread::{Scope, ScopedJoinHandle};
 
 use firmware_sim::disk::WriteError;
 
-use super::{Checkpoint, Clock, MetricsLog, RunFolder};
+use crate::checkpoint::Checkpoint;
+
+use super::{Clock, MetricsLog, RunFolder};
 
 /// A thread that saves checkpoints in a run's folder, one at a time and in order. It ends when this is finished or dropped,
 /// with what it has begun.

@@ -14,9 +14,7 @@
 
 use ted_core::{DiscountClass, TedDiscount};
 
-use crate::reward::quality::ranks;
-
-use super::{ranking, share};
+use crate::ranking::{ranking, ranks, share};
 
 /// A discount factor for each transition, by its own predicted reward.
 pub(super) fn by_transition(ted: &TedDiscount, k: f64, rewards_hat: &[f32]) -> Vec<f32> {

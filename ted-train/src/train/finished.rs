@@ -8,6 +8,7 @@ use ted_policy::Digest;
 
 use crate::algorithm::Replay;
 use crate::algorithm::oppo::Oppo;
+use crate::checkpoint::Checkpoint;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
@@ -15,7 +16,7 @@ use crate::nn::{Backend, ExportedMlp};
 use crate::reward::Labels;
 use crate::reward::oprl::ExportedEnsemble;
 use crate::rng::Seed;
-use crate::run::{Checkpoint, RunError, RunFolder};
+use crate::run::{RunError, RunFolder};
 
 use super::TrainError;
 use super::offline::{LearnedPolicy, NetworkPolicy};

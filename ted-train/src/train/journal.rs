@@ -3,8 +3,9 @@
 use std::thread::Scope;
 
 use crate::algorithm::Metrics;
+use crate::checkpoint::Checkpoint;
 use crate::config::{Config, Schedule};
-use crate::run::{Checkpoint, Clock, EventWriter, MetricsLog, Phase, Saver};
+use crate::run::{Clock, EventWriter, MetricsLog, Phase, Saver};
 
 use super::TrainError;
 use super::prepared::Prepared;

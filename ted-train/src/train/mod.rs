@@ -19,8 +19,9 @@ use std::path::PathBuf;
 
 use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
+use crate::contract::ContractText;
 use crate::dataset::{Dataset, SegmentSampler};
-use crate::export::{ContractText, ExportError};
+use crate::export::ExportError;
 use crate::filter::NothingKept;
 use crate::nn::BackendError;
 use crate::preferences::Teacher;

@@ -9,8 +9,9 @@ use firmware_sim::interrupt;
 
 use crate::algorithm::oppo::Oppo;
 use crate::algorithm::{Learner, Metrics, Policy, Replay};
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::nn::ExportedMlp;
-use crate::run::{Checkpoint, ForeignCheckpoint, RunError};
+use crate::run::RunError;
 
 use super::journal::Journal;
 use super::prepared::Prepared;

@@ -5,12 +5,13 @@ use firmware_sim::progress::Audience;
 use ted_core::TedDiscount;
 
 use crate::algorithm::Replay;
+use crate::checkpoint::Checkpoint;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::filter::Kept;
 use crate::preferences::Teacher;
 use crate::rng::Seed;
-use crate::run::{Checkpoint, Clock, Phase, RunFolder, Spent};
+use crate::run::{Clock, Phase, RunFolder, Spent};
 use crate::ted::Discounted;
 
 use super::offline::LearnedPolicy;

@@ -1,7 +1,7 @@
 //! Saving and restoring a learner, lane by lane and to the bit, and the part of it that flies.
 
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint, Visit};
 use crate::nn::{Activation, ExportedMlp};
-use crate::run::{Checkpoint, ForeignCheckpoint, Visit};
 
 use super::Atac;
 

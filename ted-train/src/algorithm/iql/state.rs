@@ -1,7 +1,7 @@
 //! Saving and restoring a learner, lane by lane and to the bit.
 
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint, Visit};
 use crate::nn::ExportedMlp;
-use crate::run::{Checkpoint, ForeignCheckpoint, Visit};
 
 use super::Iql;
 

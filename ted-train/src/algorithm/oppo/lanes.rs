@@ -3,7 +3,7 @@
 use super::{Oppo, UpdateLosses};
 use crate::algorithm::Replay;
 use crate::algorithm::learner::{Learner, Losses, Metrics, Policy, metrics};
-use crate::run::{Checkpoint, ForeignCheckpoint};
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 
 impl Learner for Vec<Oppo> {
     fn step(&self) -> u64 {

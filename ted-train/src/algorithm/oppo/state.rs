@@ -1,6 +1,6 @@
 //! Saving and restoring the learner, to the bit.
 
-use crate::run::{Checkpoint, ForeignCheckpoint};
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 
 use super::Oppo;
 

@@ -5,12 +5,12 @@ use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use serde::{Deserialize, Serialize};
 
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::transformer::Dropout;
 use crate::reward::oprl::{Fit, HeldOut, LabelledPair, random_pair};
 use crate::rng::Seed;
-use crate::run::{Checkpoint, ForeignCheckpoint};
 
 use super::config::PtConfig;
 use super::network::RewardTransformer;

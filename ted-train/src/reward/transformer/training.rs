@@ -2,13 +2,13 @@
 
 use burn::tensor::{Tensor, TensorData};
 
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::dataset::Dataset;
 use crate::nn::AdamWState;
 use crate::nn::transformer::Dropout;
 use crate::reward::oprl::loss::bradley_terry;
 use crate::reward::oprl::{Fit, LabelledPair};
 use crate::rng::Seed;
-use crate::run::{Checkpoint, ForeignCheckpoint};
 
 use super::config::PtConfig;
 use super::network::{Clips, RewardTransformer};

@@ -42,7 +42,7 @@ use firmware_sim::progress::Audience;
 use rayon::prelude::*;
 
 use crate::dataset::{Dataset, Episode};
-use crate::ted::ranking;
+use crate::ranking::ranking;
 
 use cost::{Expert, Metric};
 

@@ -2,10 +2,10 @@
 
 use crate::algorithm::fixtures::{batch, batch_of};
 use crate::algorithm::iql::{Iql, IqlConfig};
+use crate::checkpoint::Checkpoint;
 use crate::nn::Backend;
 use crate::nn::fixtures::{BACKENDS, assert_close, bits, values, wide};
 use crate::rng::Seed;
-use crate::run::Checkpoint;
 
 use super::{config, learner};
 

@@ -2,12 +2,12 @@
 
 use crate::algorithm::oppo::{Oppo, OppoConfig, Player};
 use crate::algorithm::{AlgorithmConfig, Learner, Policy, Replay};
+use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::fixtures::numbers;
 use crate::reward::oprl::LabelledPair;
 use crate::rng::Seed;
-use crate::run::{Checkpoint, ForeignCheckpoint};
 
 use super::{SEGMENT, config, dataset};
 

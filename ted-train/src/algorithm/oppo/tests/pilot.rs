@@ -4,7 +4,7 @@ use firmware_sim::rollout::Pilot;
 use firmware_sim::safety::{Fault, ObservationFrame};
 
 use crate::algorithm::oppo::{Oppo, Player, SequencePilot};
-use crate::export::ContractText;
+use crate::contract::ContractText;
 use crate::nn::Backend;
 use crate::nn::fixtures::numbers;
 use crate::rng::Seed;
