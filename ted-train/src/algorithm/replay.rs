@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::Dataset;
 use crate::filter::Kept;
-use crate::reward::oprl::LabelledPair;
+use crate::preferences::LabelledPair;
 use crate::rng::Seed;
 
 use super::Batch;

@@ -16,8 +16,7 @@ use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
 use crate::replay::ReplayDatasetError;
-use crate::reward::oprl::LearnError;
-use crate::reward::transformer;
+use crate::reward::LearnError;
 use crate::reward::transport::TransportError;
 use crate::run::RunError;
 use crate::study::cells::CellsError;
@@ -91,25 +90,22 @@ impl Ends for TrainError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Learn(LearnError::Interrupted)
-            | Self::Transformer(transformer::LearnError::Interrupted)
             | Self::Transport(TransportError::Interrupted)
             | Self::Interrupted { .. } => ExitCode::Interrupted,
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Learn(LearnError::Preference(error)) => error.exit_code(),
-            Self::Transformer(transformer::LearnError::Save(error)) => error.exit_code(),
-            Self::Learn(LearnError::Segment(_))
-            | Self::Transformer(transformer::LearnError::Foreign(_))
+            Self::Learn(LearnError::Save(error)) => error.exit_code(),
+            Self::Learn(LearnError::Segment(_) | LearnError::Foreign(_))
             | Self::Transport(_)
             | Self::Filter(_)
             | Self::Discount(_)
             | Self::NotFinished { .. }
             | Self::NotForControllers { .. } => ExitCode::BadInput,
             Self::Export(error) => error.exit_code(),
-            Self::Backend(_)
-            | Self::Learn(LearnError::Diverged { .. })
-            | Self::Transformer(transformer::LearnError::Diverged { .. })
-            | Self::Diverged { .. } => ExitCode::Failure,
+            Self::Backend(_) | Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => {
+                ExitCode::Failure
+            }
         }
     }
 }

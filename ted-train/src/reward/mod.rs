@@ -5,15 +5,24 @@
 //! are mapped to [0, 1] over the dataset before TED sees them.
 
 mod config;
+mod error;
+mod fit;
 mod labels;
+mod loss;
 pub mod oprl;
 pub mod quality;
 mod random_queries;
+mod scaling;
+#[cfg(test)]
+mod tests;
 pub mod transformer;
 pub mod transport;
 
 pub use config::RewardConfig;
+pub use error::LearnError;
+pub use fit::{Fit, HeldOut};
 pub use labels::{
     Labels, dataset_labels, ensemble_labels, negative_labels, random_labels, zero_labels,
 };
 pub(crate) use random_queries::ask_random_pairs;
+pub use scaling::InputScaling;

@@ -1,10 +1,11 @@
 //! Questions about random pairs, all asked before anything is learned.
 
 use crate::dataset::{Dataset, SegmentSampler};
-use crate::preferences::{Context, PreferenceError, PreferenceLog, Query, Teacher};
+use crate::preferences::{
+    Context, LabelledPair, PreferenceError, PreferenceLog, Query, QueryStrategy, RandomPair,
+    Teacher,
+};
 use crate::rng::Seed;
-
-use super::oprl::{LabelledPair, random_pair};
 
 /// Asks about `queries` random pairs, each from the stream `seed/query/<number>` and appended to `log` before it is used.
 pub(crate) fn ask_random_pairs(
@@ -21,10 +22,10 @@ pub(crate) fn ask_random_pairs(
     };
     let mut ask = |query: usize| {
         let mut rng = seed.child(&format!("query/{query}")).rng();
-        let segments = random_pair(sampler, &mut rng);
-        let answer = log.ask(dataset, teacher, context, Query { segments })?;
-        let label = answer.label();
-        Ok(LabelledPair { segments, label })
+        let segments = RandomPair.choose(sampler, &mut rng);
+        let query = Query { segments };
+        let answer = log.ask(dataset, teacher, context, query)?;
+        Ok(LabelledPair::new(query, answer))
     };
     (0..queries).map(&mut ask).collect()
 }

@@ -6,9 +6,8 @@ use super::TrainError;
 use super::model::Facts;
 use crate::algorithm::oppo::OppoConfig;
 use crate::dataset::{Dataset, SegmentSampler};
-use crate::preferences::{PreferenceLog, Teacher};
-use crate::reward::ask_random_pairs;
-use crate::reward::oprl::{LabelledPair, LearnError};
+use crate::preferences::{LabelledPair, PreferenceLog, Teacher};
+use crate::reward::{LearnError, ask_random_pairs};
 use crate::rng::Seed;
 use crate::run::{PREFERENCES, RunError, RunFolder};
 

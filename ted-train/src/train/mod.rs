@@ -25,10 +25,8 @@ use crate::export::ExportError;
 use crate::filter::NothingKept;
 use crate::nn::BackendError;
 use crate::preferences::Teacher;
-use crate::reward::RewardConfig;
-use crate::reward::oprl::LearnError;
-use crate::reward::transformer;
 use crate::reward::transport::{self, TransportError};
+use crate::reward::{LearnError, RewardConfig};
 use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
 
@@ -47,9 +45,6 @@ pub enum TrainError {
     /// The reward phase.
     #[error(transparent)]
     Learn(#[from] LearnError),
-    /// The reward phase of a transformer.
-    #[error(transparent)]
-    Transformer(#[from] transformer::LearnError),
     /// Rewards by optimal transport.
     #[error(transparent)]
     Transport(#[from] TransportError),

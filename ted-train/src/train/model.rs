@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::preferences::{PreferenceLog, Teacher};
-use crate::reward::oprl::{self, ExportedEnsemble, Fit, HeldOut, OprlConfig};
+use crate::reward::oprl::{self, ExportedEnsemble, OprlConfig};
 use crate::reward::transformer::{self, PtConfig, Saved, transformer_labels};
-use crate::reward::{RewardConfig, oprl::LearnError};
+use crate::reward::{Fit, HeldOut, LearnError, RewardConfig};
 use crate::rng::Seed;
 use crate::run::{self, Clock, DATASET, DatasetReference, PREFERENCES, RunError, RunFolder, Spent};
 

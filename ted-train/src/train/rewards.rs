@@ -9,14 +9,14 @@ use crate::algorithm::{AlgorithmConfig, metrics};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::ExportError;
-use crate::preferences::Teacher;
-use crate::reward::oprl::{ExportedEnsemble, Fit, HeldOut, LabelledPair};
+use crate::preferences::{LabelledPair, Teacher};
+use crate::reward::oprl::ExportedEnsemble;
 use crate::reward::quality::RewardQuality;
 use crate::reward::transformer;
 use crate::reward::transport::transport_labels;
 use crate::reward::{
-    Labels, RewardConfig, dataset_labels, ensemble_labels, negative_labels, random_labels,
-    zero_labels,
+    Fit, HeldOut, Labels, RewardConfig, dataset_labels, ensemble_labels, negative_labels,
+    random_labels, zero_labels,
 };
 use crate::rng::Seed;
 use crate::run::{EventWriter, RunFolder};

@@ -7,7 +7,8 @@ use serde::Serialize;
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::transformer::Dropout;
 use crate::nn::{AdamWState, Backend};
-use crate::reward::oprl::{InputScaling, LabelledPair};
+use crate::preferences::LabelledPair;
+use crate::reward::InputScaling;
 use crate::rng::{Seed, standard_normal};
 
 use super::config::OppoConfig;

@@ -3,10 +3,10 @@
 use crate::config::ConfigError;
 use crate::config::ranges::{Table, as_written};
 use crate::nn::WarmupCosine;
-use crate::reward::RewardConfig;
-use crate::reward::oprl::{InputScaling, OprlConfig};
+use crate::reward::oprl::OprlConfig;
 use crate::reward::transformer::PtConfig;
 use crate::reward::transport::TransportConfig;
+use crate::reward::{InputScaling, RewardConfig};
 
 const REWARD: Table = Table("reward");
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::nn::{Activation, Adam, Initialiser};
+use crate::reward::InputScaling;
 
 /// What a reward network sees of a transition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,19 +14,6 @@ pub enum RewardInputs {
     /// The observation and the action, as the paper writes r(s, a).
     #[default]
     ObservationAction,
-}
-
-/// How the inputs of the reward networks are scaled; independent of the RL networks' standardisation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum InputScaling {
-    /// As recorded, in metres and quaternion components.
-    Raw {},
-    /// Minus the dataset's mean, divided by its standard deviation, which is not taken smaller than `floor`.
-    Standard {
-        /// Smallest standard deviation, in the observation's unit: keeps nearly constant channels from becoming noise.
-        floor: f32,
-    },
 }
 
 /// The ensemble, its queries and its training.

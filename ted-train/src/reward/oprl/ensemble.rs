@@ -4,20 +4,13 @@ use burn::tensor::{Tensor, TensorData};
 
 use crate::dataset::{Dataset, ObservationStatistics, Segment};
 use crate::nn::{AdamState, Backend, Mlp, MlpShape};
+use crate::preferences::LabelledPair;
+use crate::reward::Fit;
+use crate::reward::loss::bradley_terry;
 use crate::rng::Seed;
 
 use super::config::OprlConfig;
 use super::inputs::InputMap;
-use super::loss::bradley_terry;
-
-/// A pair of segments with its label, the probability that the second one is preferred.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LabelledPair {
-    /// The two segments, in the order they were shown.
-    pub segments: [Segment; 2],
-    /// 0, 1 or 0.5.
-    pub label: f32,
-}
 
 /// Reward networks that differ in their initial weights and in their first query.
 #[derive(Clone)]
@@ -26,15 +19,6 @@ pub struct Ensemble {
     pub(crate) inputs: InputMap,
     config: OprlConfig,
     backend: Backend,
-}
-
-/// How well the training pairs are fitted, members averaged.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Fit {
-    /// Cross-entropy in nats.
-    pub loss: f32,
-    /// Share of the strict answers on which the member's own order agrees.
-    pub agreement: f32,
 }
 
 impl Ensemble {
@@ -118,19 +102,12 @@ impl Ensemble {
             .into_data()
             .try_to_vec()
             .expect("a float tensor holds f32");
-        let strict = pairs
+        let second_first = pairs
             .iter()
             .flatten()
             .zip(returns.chunks_exact(2))
-            .filter(|(p, _)| p.label != 0.5);
-        let agrees = strict
-            .clone()
-            .filter(|(p, r)| (r[1] > r[0]) == (p.label > 0.5))
-            .count();
-        Some(Fit {
-            loss: loss.mean().into_scalar::<f32>(),
-            agreement: agrees as f32 / strict.count().max(1) as f32,
-        })
+            .map(|(pair, r)| (pair.label, r[1] > r[0]));
+        Some(Fit::new(loss.mean().into_scalar::<f32>(), second_first))
     }
 
     /// Return of each segment as each member sees it: `[member][segment]`.

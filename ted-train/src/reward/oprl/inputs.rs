@@ -2,22 +2,7 @@
 
 use crate::dataset::{Dataset, ObservationStatistics};
 
-use super::config::{InputScaling, OprlConfig, RewardInputs};
-
-impl InputScaling {
-    /// What is subtracted from each channel of an observation, and what it is multiplied with then.
-    #[must_use]
-    pub fn shift_and_scale(self, statistics: &ObservationStatistics) -> [Vec<f32>; 2] {
-        let channels = statistics.mean.len();
-        match self {
-            Self::Raw {} => [vec![0.0; channels], vec![1.0; channels]],
-            Self::Standard { floor } => [
-                statistics.mean.clone(),
-                statistics.std.iter().map(|s| 1.0 / s.max(floor)).collect(),
-            ],
-        }
-    }
-}
+use super::config::{OprlConfig, RewardInputs};
 
 /// The affine map `(raw - shift) * scale` of every input channel: the observation's, then the action's if it is one.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -2,16 +2,18 @@
 
 use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
-use serde::{Deserialize, Serialize};
 
-use crate::dataset::{Dataset, SegmentError, SegmentSampler};
+use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::Backend;
-use crate::preferences::{Context, PreferenceError, PreferenceLog, Query, Teacher};
+use crate::preferences::{
+    Context, LabelledPair, PreferenceLog, Query, QueryStrategy, RandomPair, Teacher,
+};
+use crate::reward::{Fit, HeldOut, LearnError};
 use crate::rng::Seed;
 
 use super::config::OprlConfig;
-use super::disagreement::{most_disputed, random_pair};
-use super::ensemble::{Ensemble, Fit, LabelledPair};
+use super::disagreement::MostDisputed;
+use super::ensemble::Ensemble;
 
 /// A trained ensemble and how the training went.
 pub struct Learned {
@@ -19,28 +21,6 @@ pub struct Learned {
     pub ensemble: Ensemble,
     /// Fit of the training pairs after the first queries and after each round.
     pub fits: Vec<Fit>,
-}
-
-/// Why no ensemble was learned.
-#[derive(Debug, thiserror::Error)]
-pub enum LearnError {
-    /// The dataset has no segment of the length asked for.
-    #[error(transparent)]
-    Segment(#[from] SegmentError),
-    /// An answer could not be had or kept.
-    #[error(transparent)]
-    Preference(#[from] PreferenceError),
-    /// A loss is no longer a number.
-    #[error(
-        "the reward loss is not finite after round {round}: the learning rate or the inputs are too large"
-    )]
-    Diverged {
-        /// The round, 0 being the first questions.
-        round: u32,
-    },
-    /// Somebody asked to stop.
-    #[error("stopped while learning a reward: every answer is kept and the same command goes on")]
-    Interrupted,
 }
 
 /// Learns a reward ensemble from exactly `members + rounds` answers, each appended to `log` before it is used.
@@ -66,11 +46,9 @@ pub fn learn(
         backend,
     );
     let mut ask = |context, segments| -> Result<LabelledPair, LearnError> {
-        let answer = log.ask(dataset, teacher, context, Query { segments })?;
-        Ok(LabelledPair {
-            segments,
-            label: answer.label(),
-        })
+        let query = Query { segments };
+        let answer = log.ask(dataset, teacher, context, query)?;
+        Ok(LabelledPair::new(query, answer))
     };
 
     let mut pairs = Vec::with_capacity(config.members);
@@ -80,7 +58,7 @@ pub fn learn(
             round: 0,
             member: u32::try_from(member).ok(),
         };
-        pairs.push(vec![ask(context, random_pair(&sampler, &mut rng))?]);
+        pairs.push(vec![ask(context, RandomPair.choose(&sampler, &mut rng))?]);
     }
     let epochs = u64::from(config.epochs) * u64::from(1 + config.rounds);
     let progress = audience.start("learn a reward", epochs, "epochs");
@@ -90,12 +68,19 @@ pub fn learn(
     };
     let finite = |round, fit: Option<Fit>| match fit.ok_or(LearnError::Interrupted)? {
         fit if fit.loss.is_finite() => Ok(fit),
-        _ => Err(LearnError::Diverged { round }),
+        _ => Err(LearnError::Diverged {
+            after: format!("round {round}"),
+        }),
     };
     let mut fits = vec![finite(0, ensemble.train(dataset, &pairs, &mut going_on))?];
     for round in 1..=config.rounds {
         let mut rng = seed.child(&format!("query/round/{round}")).rng();
-        let segments = most_disputed(&ensemble, dataset, &sampler, config.pool, &mut rng);
+        let disputed = MostDisputed {
+            ensemble: &ensemble,
+            dataset,
+            pool: config.pool,
+        };
+        let segments = disputed.choose(&sampler, &mut rng);
         let pair = ask(
             Context {
                 round,
@@ -113,15 +98,6 @@ pub fn learn(
     Ok(Learned { ensemble, fits })
 }
 
-/// Agreement of the ensemble with true returns on pairs that it was not trained on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HeldOut {
-    /// Pairs with different true returns.
-    pub pairs: usize,
-    /// Share of them that the ensemble's mean return orders as the true return does.
-    pub agreement: f64,
-}
-
 /// Measures the ensemble on random pairs, against true returns.
 ///
 /// # Errors
@@ -133,27 +109,17 @@ pub fn held_out_agreement(
     seed: Seed,
 ) -> Result<HeldOut, SegmentError> {
     let sampler = SegmentSampler::new(dataset, config.segment)?;
-    let mut rng = seed.child("held-out").rng();
-    let pairs: Vec<_> = (0..config.held_out)
-        .map(|_| random_pair(&sampler, &mut rng))
-        .collect();
-    let returns = ensemble.segment_returns(dataset, pairs.as_flattened());
-    let mean = |segment: usize| {
-        returns
-            .iter()
-            .map(|member| f64::from(member[segment]))
-            .sum::<f64>()
+    let order = |pairs: &[[Segment; 2]]| {
+        let returns = ensemble.segment_returns(dataset, pairs.as_flattened());
+        let mean = |segment: usize| {
+            returns
+                .iter()
+                .map(|member| f64::from(member[segment]))
+                .sum::<f64>()
+        };
+        let second_first = |pair: usize| mean(2 * pair + 1) > mean(2 * pair);
+        (0..pairs.len()).map(second_first).collect()
     };
-    let (mut strict, mut agree) = (0, 0);
-    for (i, pair) in pairs.iter().enumerate() {
-        let truth = pair[1].return_true(dataset) - pair[0].return_true(dataset);
-        if truth != 0.0 {
-            strict += 1;
-            agree += usize::from((mean(2 * i + 1) > mean(2 * i)) == (truth > 0.0));
-        }
-    }
-    Ok(HeldOut {
-        pairs: strict,
-        agreement: agree as f64 / strict.max(1) as f64,
-    })
+    let held_out = HeldOut::measure(config.held_out, dataset, &sampler, seed, order);
+    Ok(held_out)
 }

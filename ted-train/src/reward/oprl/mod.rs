@@ -23,14 +23,13 @@ mod disagreement;
 mod ensemble;
 mod inputs;
 mod learn;
-pub(super) mod loss;
 mod state;
 #[cfg(test)]
 mod tests;
 
-pub use config::{InputScaling, OprlConfig, RewardInputs};
-pub(super) use disagreement::random_pair;
-pub use ensemble::{Ensemble, Fit, LabelledPair};
+pub use config::{OprlConfig, RewardInputs};
+pub use disagreement::MostDisputed;
+pub use ensemble::Ensemble;
 pub use inputs::InputMap;
-pub use learn::{HeldOut, LearnError, Learned, held_out_agreement, learn};
+pub use learn::{Learned, held_out_agreement, learn};
 pub use state::ExportedEnsemble;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::nn::{AdamW, WarmupCosine};
-use crate::reward::oprl::InputScaling;
+use crate::reward::InputScaling;
 
 /// How rewards of steps become the score of a clip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,8 +4,8 @@ use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 
 use crate::dataset::{Dataset, Episode};
+use crate::reward::LearnError;
 
-use super::learn::LearnError;
 use super::network::RewardTransformer;
 use super::training::numbers;
 

@@ -5,11 +5,12 @@ use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
+use crate::checkpoint::Checkpoint;
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::transformer::Dropout;
-use crate::reward::oprl::{Fit, HeldOut, LabelledPair, random_pair};
+use crate::preferences::LabelledPair;
+use crate::reward::{Fit, HeldOut, LearnError};
 use crate::rng::Seed;
 
 use super::config::PtConfig;
@@ -33,28 +34,6 @@ pub struct Learned {
     pub transformer: RewardTransformer,
     /// Fit of the training pairs after every [`LOOK_EVERY`] steps and at the end.
     pub fits: Vec<Fit>,
-}
-
-/// Why no transformer was learned.
-#[derive(Debug, thiserror::Error)]
-pub enum LearnError {
-    /// The saved state is of another transformer.
-    #[error(transparent)]
-    Foreign(#[from] ForeignCheckpoint),
-    /// The state could not be saved.
-    #[error(transparent)]
-    Save(#[from] WriteError),
-    /// A loss is no longer a number.
-    #[error(
-        "the reward loss is not finite after {step} steps: the learning rate or the inputs are too large"
-    )]
-    Diverged {
-        /// Steps made.
-        step: u64,
-    },
-    /// Somebody asked to stop.
-    #[error("stopped while learning a reward: every answer is kept and the same command goes on")]
-    Interrupted,
 }
 
 /// Learns from these answers. Goes on from `saved`, the state that was last given to `save`, with the bits of a training that
@@ -91,7 +70,9 @@ pub fn learn(
         let loss = training.update();
         let step = training.step;
         if !loss.is_finite() {
-            return Err(LearnError::Diverged { step });
+            return Err(LearnError::Diverged {
+                after: format!("{step} steps"),
+            });
         }
         progress.advance(1);
         let look = step.is_multiple_of(LOOK_EVERY);
@@ -128,28 +109,18 @@ pub fn held_out_agreement(
     /// Pairs in one forward pass.
     const CHUNK: usize = 20;
     let sampler = SegmentSampler::new(dataset, config.segment)?;
-    let mut rng = seed.child("held-out").rng();
-    let mut pair = || random_pair(&sampler, &mut rng);
-    let pairs: Vec<LabelledPair> = (0..config.held_out)
-        .map(|_| LabelledPair {
-            segments: pair(),
-            label: 0.5,
-        })
-        .collect();
-    let (mut strict, mut agree) = (0, 0);
-    for pairs in pairs.chunks(CHUNK) {
-        let clips = pair_clips(transformer, dataset, pairs);
-        let (scores, _) = transformer.network.scores(&clips, &Dropout::none());
-        let scores = numbers(&scores);
-        let (first, second) = scores.split_at(pairs.len());
-        for (pair, (first, second)) in pairs.iter().zip(first.iter().zip(second)) {
-            let [r0, r1] = pair.segments.map(|s: Segment| s.return_true(dataset));
-            strict += usize::from(r0 != r1);
-            agree += usize::from(r0 != r1 && (second > first) == (r1 > r0));
-        }
-    }
-    Ok(HeldOut {
-        pairs: strict,
-        agreement: agree as f64 / strict.max(1) as f64,
-    })
+    let order = |pairs: &[[Segment; 2]]| {
+        let second_first = pairs.chunks(CHUNK).flat_map(|pairs| {
+            let clips = pair_clips(transformer, dataset, pairs);
+            let (scores, _) = transformer.network.scores(&clips, &Dropout::none());
+            let scores = numbers(&scores);
+            let (first, second) = scores.split_at(pairs.len());
+            let both = first.iter().zip(second);
+            both.map(|(first, second)| second > first)
+                .collect::<Vec<_>>()
+        });
+        second_first.collect()
+    };
+    let held_out = HeldOut::measure(config.held_out, dataset, &sampler, seed, order);
+    Ok(held_out)
 }

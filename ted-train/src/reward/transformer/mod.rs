@@ -42,5 +42,5 @@ mod training;
 
 pub use config::{PtConfig, RewardHead};
 pub use labels::transformer_labels;
-pub use learn::{LOOK_EVERY, LearnError, Learned, Saved, held_out_agreement, learn};
+pub use learn::{LOOK_EVERY, Learned, Saved, held_out_agreement, learn};
 pub use network::RewardTransformer;

@@ -3,11 +3,12 @@
 use burn::tensor::{Tensor, TensorData};
 
 use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Segment};
 use crate::nn::AdamWState;
 use crate::nn::transformer::Dropout;
-use crate::reward::oprl::loss::bradley_terry;
-use crate::reward::oprl::{Fit, LabelledPair};
+use crate::preferences::LabelledPair;
+use crate::reward::Fit;
+use crate::reward::loss::bradley_terry;
 use crate::rng::Seed;
 
 use super::config::PtConfig;
@@ -36,7 +37,8 @@ impl<'a> Training<'a> {
         pairs: &[LabelledPair],
         seed: Seed,
     ) -> Self {
-        let clips = pair_clips(&transformer, dataset, pairs);
+        let segments: Vec<_> = pairs.iter().map(|pair| pair.segments).collect();
+        let clips = pair_clips(&transformer, dataset, &segments);
         let labels = pairs.iter().map(|pair| pair.label).collect();
         let labels = TensorData::new(labels, [1, pairs.len(), 1]);
         let adam = AdamWState::new(transformer.network.tensors());
@@ -85,17 +87,12 @@ impl<'a> Training<'a> {
         let scores = numbers(&scores);
         let (first, second) = scores.split_at(scores.len() / 2);
         let labels = numbers(&self.labels);
-        let strict = || {
-            labels
-                .iter()
-                .enumerate()
-                .filter(|(_, label)| **label != 0.5)
-        };
-        let agrees = strict().filter(|&(i, label)| (second[i] > first[i]) == (*label > 0.5));
-        Fit {
-            loss: loss.into_scalar::<f32>(),
-            agreement: agrees.count() as f32 / strict().count().max(1) as f32,
-        }
+        let second_first = first
+            .iter()
+            .zip(second)
+            .map(|(first, second)| second > first);
+        let pairs = labels.iter().copied().zip(second_first);
+        Fit::new(loss.into_scalar::<f32>(), pairs)
     }
 
     /// Everything that the next step depends on, besides the configuration and the answers.
@@ -126,13 +123,9 @@ impl<'a> Training<'a> {
 pub(super) fn pair_clips(
     transformer: &RewardTransformer,
     dataset: &Dataset,
-    pairs: &[LabelledPair],
+    pairs: &[[Segment; 2]],
 ) -> Clips {
-    let side = |side: usize| {
-        pairs
-            .iter()
-            .flat_map(move |p| p.segments[side].steps(dataset))
-    };
+    let side = |side: usize| pairs.iter().flat_map(move |pair| pair[side].steps(dataset));
     transformer.clips(dataset, side(0).chain(side(1)), 2 * pairs.len())
 }
 

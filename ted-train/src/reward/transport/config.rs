@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::reward::oprl::InputScaling;
+use crate::reward::InputScaling;
 
 /// What it costs to carry one observation to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

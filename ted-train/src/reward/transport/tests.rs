@@ -2,7 +2,7 @@
 
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::dataset::{Dataset, EpisodeRecord};
-use crate::reward::oprl::InputScaling;
+use crate::reward::InputScaling;
 use crate::rng::Seed;
 use rand::RngExt;
 

@@ -6,7 +6,7 @@ use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::fixtures::numbers;
-use crate::reward::oprl::LabelledPair;
+use crate::preferences::LabelledPair;
 use crate::rng::Seed;
 
 use super::{SEGMENT, config, dataset};

@@ -1,15 +1,15 @@
-//! The reward ensemble: its loss, its questions, and its answers from a file.
+//! The reward ensemble: its questions, and its answers from a file.
 
-mod loss;
 mod questions;
 mod training;
 
 use crate::dataset::{Dataset, EpisodeRecord, Shape};
 use crate::nn::fixtures::numbers;
 use crate::nn::{Activation, Backend};
+use crate::reward::InputScaling;
 use crate::rng::Seed;
 
-use super::{Ensemble, InputScaling, OprlConfig};
+use super::{Ensemble, OprlConfig};
 
 const SHAPE: Shape = Shape {
     observation: 3,

@@ -8,10 +8,10 @@ use crate::nn::Backend;
 use crate::nn::fixtures::tensor;
 use crate::nn::{Activation, Linear, Mlp};
 use crate::preferences::{
-    Answer, Context, PreferenceError, PreferenceLog, Query, ReplayTeacher, ScriptedTeacher, Teacher,
+    Answer, Context, PreferenceError, PreferenceLog, Query, QueryStrategy, RandomPair,
+    ReplayTeacher, ScriptedTeacher, Teacher,
 };
-use crate::reward::oprl::disagreement::{most_disputed, random_pair};
-use crate::reward::oprl::{Ensemble, ExportedEnsemble, OprlConfig, learn};
+use crate::reward::oprl::{Ensemble, ExportedEnsemble, MostDisputed, OprlConfig, learn};
 use crate::rng::Seed;
 
 use super::{SEGMENT, SHAPE, config, dataset, ensemble};
@@ -37,6 +37,14 @@ fn linear(dataset: &Dataset, likes: &[[f32; 3]]) -> Ensemble {
     };
     ensemble.network = Mlp::from_layers(vec![layer], Activation::Linear, Backend::Flex);
     ensemble
+}
+
+fn most_disputed<'a>(ensemble: &'a Ensemble, dataset: &'a Dataset) -> MostDisputed<'a> {
+    MostDisputed {
+        ensemble,
+        dataset,
+        pool: POOL,
+    }
 }
 
 /// p (1 - p) by plain sums over the segments' observations.
@@ -72,10 +80,12 @@ fn the_question_is_one_with_the_largest_dispute_of_the_pool() {
     for seed in 0..20 {
         let stream = Seed::root(seed);
         let mut rng = stream.rng();
-        let pool: Vec<_> = (0..POOL).map(|_| random_pair(&sampler, &mut rng)).collect();
+        let pool: Vec<_> = (0..POOL)
+            .map(|_| RandomPair.choose(&sampler, &mut rng))
+            .collect();
         let disputes: Vec<f64> = pool.iter().map(|p| dispute(&dataset, &likes, p)).collect();
         unanimous += disputes.iter().filter(|&&d| d == 0.0).count();
-        let chosen = most_disputed(&ensemble, &dataset, &sampler, POOL, &mut stream.rng());
+        let chosen = most_disputed(&ensemble, &dataset).choose(&sampler, &mut stream.rng());
         assert!(pool.contains(&chosen), "the pool is the stream's");
         let largest = disputes.iter().copied().fold(0.0, f64::max);
         assert_eq!(dispute(&dataset, &likes, &chosen), largest, "seed {seed}");
@@ -94,14 +104,11 @@ fn among_equals_the_stream_draws() {
     let ensemble = linear(&dataset, &[[1.0, 0.0, 0.0]]);
     let place = |seed: u64| {
         let mut rng = Seed::root(seed).rng();
-        let chosen = most_disputed(
-            &ensemble,
-            &dataset,
-            &sampler,
-            POOL,
-            &mut Seed::root(seed).rng(),
-        );
-        let pool: Vec<_> = (0..POOL).map(|_| random_pair(&sampler, &mut rng)).collect();
+        let chosen =
+            most_disputed(&ensemble, &dataset).choose(&sampler, &mut Seed::root(seed).rng());
+        let pool: Vec<_> = (0..POOL)
+            .map(|_| RandomPair.choose(&sampler, &mut rng))
+            .collect();
         assert_eq!(chosen, pool[rng.random_range(0..POOL)]);
         pool.iter().position(|pair| *pair == chosen).unwrap()
     };
@@ -109,17 +116,6 @@ fn among_equals_the_stream_draws() {
     places.sort_unstable();
     places.dedup();
     assert!(places.len() > 5, "not always the same place: {places:?}");
-}
-
-#[test]
-fn two_different_segments_are_asked_about_even_when_there_are_only_two() {
-    let dataset = dataset();
-    let whole = SegmentSampler::new(&dataset, 9).unwrap();
-    let mut rng = Seed::root(0).rng();
-    for _ in 0..100 {
-        let [first, second] = random_pair(&whole, &mut rng);
-        assert_ne!(first, second);
-    }
 }
 
 /// Counts the questions that somebody else answers.

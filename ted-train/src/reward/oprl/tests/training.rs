@@ -3,13 +3,9 @@
 use crate::dataset::{Segment, SegmentSampler};
 use crate::nn::fixtures::{BACKENDS, assert_close, tensor, values, wide};
 use crate::nn::scalar::ScalarMlp;
-use crate::preferences::{PreferenceLog, ScriptedTeacher};
-use crate::reward::ensemble_labels;
-use crate::reward::oprl::disagreement::random_pair;
-use crate::reward::oprl::ensemble::LabelledPair;
-use crate::reward::oprl::{
-    ExportedEnsemble, InputScaling, OprlConfig, RewardInputs, held_out_agreement, learn,
-};
+use crate::preferences::{LabelledPair, PreferenceLog, QueryStrategy, RandomPair, ScriptedTeacher};
+use crate::reward::oprl::{ExportedEnsemble, OprlConfig, RewardInputs, held_out_agreement, learn};
+use crate::reward::{InputScaling, ensemble_labels};
 use crate::rng::Seed;
 use firmware_sim::progress::Audience;
 use ted_core::RewardRange;
@@ -58,7 +54,7 @@ fn an_equal_answer_pulls_the_two_returns_together() {
     let dataset = dataset();
     let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
     let mut rng = Seed::root(4).rng();
-    let segments = random_pair(&sampler, &mut rng);
+    let segments = RandomPair.choose(&sampler, &mut rng);
     for backend in BACKENDS {
         let mut ensemble = ensemble(&config(), &dataset, backend);
         let gap = |ensemble: &super::Ensemble| -> f32 {

@@ -4,7 +4,6 @@ use crate::dataset::Segment;
 use crate::nn::Backend;
 use crate::nn::fixtures::{assert_close, numbers, tensor, values};
 use crate::nn::transformer::Dropout;
-use crate::reward::oprl::LabelledPair;
 use crate::reward::transformer::training::{loss, pair_clips};
 use crate::rng::Seed;
 
@@ -15,12 +14,11 @@ fn the_gradient_along_a_direction_is_the_difference_of_the_loss() {
     /// Half of the way between the two losses: small against a parameter, large against rounding.
     const H: f32 = 1e-3;
     let dataset = dataset();
-    let pair = |first, second, label| LabelledPair {
-        segments: [(first, 1), (second, 5)]
-            .map(|(episode, start)| Segment::new(&dataset, episode, start, SEGMENT).unwrap()),
-        label,
+    let pair = |first, second| {
+        [(first, 1), (second, 5)]
+            .map(|(episode, start)| Segment::new(&dataset, episode, start, SEGMENT).unwrap())
     };
-    let pairs = [pair(0, 1, 1.0), pair(2, 3, 0.0), pair(4, 5, 0.5)];
+    let pairs = [pair(0, 1), pair(2, 3), pair(4, 5)];
     let labels = || tensor(&[1.0, 0.0, 0.5], [1, 3, 1], Backend::Flex);
     for head in HEADS {
         let transformer = transformer(&config(head), &dataset, Backend::Flex);

@@ -5,9 +5,8 @@ use firmware_sim::progress::Audience;
 use crate::dataset::{Dataset, Segment, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::fixtures::bits;
-use crate::preferences::{PreferenceLog, ScriptedTeacher};
+use crate::preferences::{LabelledPair, PreferenceLog, ScriptedTeacher};
 use crate::reward::ask_random_pairs;
-use crate::reward::oprl::LabelledPair;
 use crate::reward::transformer::training::Training;
 use crate::reward::transformer::{
     Learned, PtConfig, Saved, held_out_agreement, learn, transformer_labels,

@@ -7,7 +7,7 @@ mod learning;
 use crate::dataset::{Dataset, EpisodeRecord, Shape};
 use crate::nn::fixtures::numbers;
 use crate::nn::{Backend, WarmupCosine};
-use crate::reward::oprl::InputScaling;
+use crate::reward::InputScaling;
 use crate::rng::Seed;
 
 use super::{PtConfig, RewardHead, RewardTransformer};

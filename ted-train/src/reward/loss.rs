@@ -6,10 +6,7 @@ use burn::tensor::{Tensor, activation::sigmoid};
 /// that the second segment is preferred: 0, 1 or 0.5), and its gradient in the returns.
 ///
 /// The loss is the mean over pairs, `[member, 1, 1]`.
-pub(in crate::reward) fn bradley_terry(
-    returns: Tensor<3>,
-    labels: Tensor<3>,
-) -> (Tensor<3>, Tensor<3>) {
+pub(super) fn bradley_terry(returns: Tensor<3>, labels: Tensor<3>) -> (Tensor<3>, Tensor<3>) {
     let pairs = returns.dims()[1] as f64;
     let (first, second) = (returns.clone().narrow(2, 0, 1), returns.narrow(2, 1, 1));
     let logit = second - first;

@@ -2,7 +2,7 @@
 
 use crate::nn::fixtures::{BACKENDS, assert_close, numbers, tensor, values, wide};
 use crate::nn::scalar::central_differences;
-use crate::reward::oprl::loss::bradley_terry;
+use crate::reward::loss::bradley_terry;
 
 #[test]
 fn cross_entropy_is_as_derived_by_hand() {

@@ -1,0 +1,3 @@
+//! What all models of rewards are trained with.
+
+mod loss;
