@@ -26,6 +26,7 @@ use self::iql::{Iql, IqlConfig};
 use self::oppo::{Oppo, OppoConfig};
 use self::transitions::OfTransitions;
 use crate::nn::Backend;
+use crate::reward::RandomQueries;
 use crate::rng::Seed;
 
 /// Which offline algorithm learns the policy, with all of its numbers.
@@ -92,10 +93,16 @@ impl AlgorithmConfig {
         }
     }
 
-    /// Whether somebody has to answer questions for it.
+    /// What somebody is asked for it, where the policy itself is learned from answers.
     #[must_use]
-    pub fn asks(&self) -> bool {
-        matches!(self, Self::Oppo(_))
+    pub fn questions(&self) -> Option<RandomQueries> {
+        match self {
+            Self::Oppo(config) => Some(RandomQueries {
+                queries: config.queries,
+                segment: config.segment,
+            }),
+            Self::Iql(_) | Self::Atac(_) | Self::Awr(_) | Self::Bc(_) => None,
+        }
     }
 
     /// Whether it looks at rewards and discounts.

@@ -6,7 +6,6 @@ mod rewards;
 
 use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
-use crate::reward::RewardConfig;
 use crate::ted::DiscountConfig;
 
 use super::ranges::{Table, as_written};
@@ -40,7 +39,7 @@ impl Config {
             |choice: &'static str, reason: String| Err(ConfigError::Composition { choice, reason });
         let algorithm = self.algorithm.name();
         let learns_values = self.algorithm.learns_values();
-        if matches!(self.reward, RewardConfig::None {}) {
+        if self.reward.is_none() {
             if learns_values {
                 let reason = format!(
                     "{algorithm} needs a reward for each transition, and reward.source = \"none\" gives none: choose another \
@@ -56,7 +55,7 @@ impl Config {
             }
         }
         let predicted = matches!(self.filter, FilterConfig::TopPredicted { .. });
-        if !learns_values && !predicted && !matches!(self.reward, RewardConfig::None {}) {
+        if !learns_values && !predicted && !self.reward.is_none() {
             let reason = format!(
                 "{algorithm} looks at no reward, and no filter ranks by it, so nothing would come of it: set reward.source = \"none\""
             );

@@ -81,7 +81,7 @@ impl Config {
     /// Whether somebody has to answer questions.
     #[must_use]
     pub fn asks(&self) -> bool {
-        self.reward.asks() || self.algorithm.asks()
+        self.reward.learner().is_some() || self.algorithm.questions().is_some()
     }
 
     /// Digest of the canonical form, which travels in the artefact.

@@ -9,7 +9,7 @@ use crate::contract::ContractText;
 use crate::dataset::Dataset;
 use crate::nn::ExportedMlp;
 use crate::quantise::{Originals, QuantisationReport, QuantisedNetworks};
-use crate::reward::oprl::ExportedEnsemble;
+use crate::reward::ExportedEnsemble;
 use crate::run::{QUANTISATION, RunFolder};
 use crate::ted::DiscountConfig;
 

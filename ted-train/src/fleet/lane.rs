@@ -15,7 +15,7 @@ use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate_once};
 use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
-use crate::reward::RewardConfig;
+use crate::reward::RewardLearner;
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
 use crate::train::{Finished, LearnedPolicy, Prepared, check};
 
@@ -73,7 +73,10 @@ impl Lane {
                 lane.config.backend,
             )
         };
-        matches!(self.config.reward, RewardConfig::Transformer(_))
+        self.config
+            .reward
+            .learner()
+            .is_some_and(RewardLearner::takes_long)
             && learns(self) == learns(other)
             && (&self.dataset, &self.answers) == (&other.dataset, &other.answers)
     }

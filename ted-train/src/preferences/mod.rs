@@ -6,6 +6,7 @@
 
 mod entry;
 mod error;
+mod interview;
 mod log;
 mod pair;
 mod query;
@@ -15,6 +16,7 @@ mod teacher;
 
 pub use entry::{Context, LogEntry};
 pub use error::PreferenceError;
+pub use interview::Interview;
 pub use log::{PreferenceLog, Recovered};
 pub use pair::LabelledPair;
 pub use query::{Answer, Query};

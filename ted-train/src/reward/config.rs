@@ -1,10 +1,11 @@
-//! The choice of a reward source.
+//! The choice of a reward source, and the one place that knows which there are.
 
 use serde::{Deserialize, Serialize};
 
 use super::oprl::OprlConfig;
 use super::transformer::PtConfig;
 use super::transport::TransportConfig;
+use super::{Computed, RewardLearner};
 
 /// Where the rewards of a run come from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,10 +29,41 @@ pub enum RewardConfig {
     Transport(TransportConfig),
 }
 
+/// How a run comes to its rewards.
+pub enum Source<'c> {
+    /// From the dataset alone.
+    Computed(Computed<'c>),
+    /// From answers.
+    Learned(&'c dyn RewardLearner),
+}
+
 impl RewardConfig {
-    /// Whether somebody has to answer questions.
+    /// How a run comes to them.
     #[must_use]
-    pub fn asks(&self) -> bool {
-        matches!(self, Self::Oprl(_) | Self::Transformer(_))
+    pub fn source(&self) -> Source<'_> {
+        match self {
+            Self::None {} | Self::Zero {} => Source::Computed(Computed::Zero),
+            Self::True {} => Source::Computed(Computed::True),
+            Self::Random {} => Source::Computed(Computed::Random),
+            Self::Negative {} => Source::Computed(Computed::Negative),
+            Self::Transport(config) => Source::Computed(Computed::Transport(config)),
+            Self::Oprl(config) => Source::Learned(config),
+            Self::Transformer(config) => Source::Learned(config),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        matches!(self, Self::None {})
+    }
+
+    /// The learner, where they are learned from answers.
+    #[must_use]
+    pub fn learner(&self) -> Option<&dyn RewardLearner> {
+        match self.source() {
+            Source::Learned(learner) => Some(learner),
+            Source::Computed(_) => None,
+        }
     }
 }

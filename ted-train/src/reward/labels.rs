@@ -1,11 +1,9 @@
 //! One reward for each transition of a dataset, mapped to [0, 1].
 
-use rand::RngExt;
 use rayon::prelude::*;
 use ted_core::{EpisodeReturn, RewardEnsemble, RewardRange, Scratch, ShapeError};
 
 use crate::dataset::Dataset;
-use crate::rng::Seed;
 
 /// Rewards of a dataset as the learner sees them.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,33 +53,6 @@ impl Labels {
             .map(|e| sum(&self.rewards[e.first_step..e.first_step + e.len]))
             .collect()
     }
-}
-
-/// The dataset's own rewards.
-#[must_use]
-pub fn dataset_labels(dataset: &Dataset) -> Vec<f32> {
-    dataset.rewards_true().to_vec()
-}
-
-/// Zero for each transition.
-#[must_use]
-pub fn zero_labels(dataset: &Dataset) -> Vec<f32> {
-    vec![0.0; dataset.step_count()]
-}
-
-/// The dataset's own rewards with the other sign.
-#[must_use]
-pub fn negative_labels(dataset: &Dataset) -> Vec<f32> {
-    dataset.rewards_true().iter().map(|r| -r).collect()
-}
-
-/// Uniform noise in [0, 1).
-#[must_use]
-pub fn random_labels(dataset: &Dataset, seed: Seed) -> Vec<f32> {
-    let mut rng = seed.rng();
-    (0..dataset.step_count())
-        .map(|_| rng.random::<f32>())
-        .collect()
 }
 
 /// The ensemble's raw reward of each transition, computed by the device's own kernel: what the controller will score is

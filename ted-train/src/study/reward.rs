@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use firmware_sim::interrupt;
 use firmware_sim::progress::{Audience, Progress};
 use serde::{Deserialize, Serialize};
-use ted_core::RewardRange;
 
 use crate::config::{Overrides, Preset};
 use crate::dataset::Dataset;
-use crate::preferences::{PreferenceLog, ScriptedTeacher};
-use crate::reward::oprl::{ExportedEnsemble, OprlConfig, held_out_agreement, learn};
+use crate::export::ExportError;
+use crate::preferences::{Interview, PreferenceLog, ScriptedTeacher};
+use crate::reward::oprl::OprlConfig;
 use crate::reward::quality::RewardQuality;
-use crate::reward::{Labels, LearnError, RewardConfig, ensemble_labels};
+use crate::reward::{Labels, LearnError, Material, RewardConfig, RewardLearner};
 use crate::rng::Seed;
 use crate::train::TrainError;
 use firmware_sim::disk::{self, WriteError};
@@ -68,36 +68,27 @@ pub fn measure(
     seed: u64,
     log: &Path,
 ) -> Result<Cell, TrainError> {
-    let failed = |e| TrainError::Learn(e);
-    let root = Seed::root(seed).child("reward");
-    let mut log = PreferenceLog::open(log, dataset).map_err(|e| failed(e.into()))?;
-    let mut teacher = ScriptedTeacher::new(0.0).map_err(|e| failed(e.into()))?;
-    let learned = learn(
-        config,
+    let log = PreferenceLog::open(log, dataset).map_err(LearnError::from)?;
+    let mut teacher = ScriptedTeacher::new(0.0).map_err(LearnError::from)?;
+    let mut interview = Interview::new(dataset, &mut teacher, log);
+    let on = Material {
         dataset,
-        &mut teacher,
-        &mut log,
-        root,
-        crate::nn::Backend::Flex,
-        Audience::Nobody,
-    )
-    .map_err(failed)?;
-    let held_out = held_out_agreement(config, &learned.ensemble, dataset, root)
-        .map_err(|e| failed(e.into()))?;
-    let exported = ExportedEnsemble::new(&learned.ensemble);
-    let raw = exported
-        .view(RewardRange {
-            low: 0.0,
-            high: 1.0,
-        })
-        .and_then(|view| ensemble_labels(dataset, &view))
-        .map_err(crate::export::ExportError::from)?;
+        seed: Seed::root(seed).child("reward"),
+        backend: crate::nn::Backend::Flex,
+        audience: Audience::Nobody,
+    };
+    let answers = config.ask(on, &mut interview)?;
+    let learned = config.learn(&answers, on, &mut interview, &mut |_| Ok(()))?;
+    let raw = learned
+        .model
+        .raw_rewards(dataset)
+        .map_err(ExportError::from)?;
     Ok(Cell {
         design: design.to_owned(),
         config: config.clone(),
         task: dataset.task().unwrap_or("unknown").to_owned(),
         seed,
-        held_out: held_out.agreement,
+        held_out: learned.held_out.agreement,
         quality: RewardQuality::measure(dataset, &Labels::unit(raw)),
     })
 }

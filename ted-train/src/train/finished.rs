@@ -13,14 +13,14 @@ use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::export::{Export, ExportError, Exported, artefact};
 use crate::nn::{Backend, ExportedMlp};
-use crate::reward::Labels;
-use crate::reward::oprl::ExportedEnsemble;
+use crate::reward::{ExportedEnsemble, Labels};
 use crate::rng::Seed;
 use crate::run::{RunError, RunFolder};
 
 use super::TrainError;
 use super::offline::{LearnedPolicy, NetworkPolicy};
 use super::rewards::{self, Rewards};
+use super::work::Work;
 
 /// What came of a run.
 pub enum Finished {
@@ -63,7 +63,12 @@ impl FinishedRun {
             LearnedPolicy::Network(policy) => policy,
             LearnedPolicy::Sequence(_) => return Err(not_for_controllers()),
         };
-        let rewards = rewards::relabel(dataset, &config, folder, audience)?;
+        let rewards = rewards::relabel(Work {
+            dataset,
+            config: &config,
+            folder,
+            audience,
+        })?;
         let ted = config
             .discount
             .lookup(&rewards.labels.episode_returns(dataset))?;
@@ -130,7 +135,7 @@ impl FinishedRun {
     /// The reward ensemble and its range, if the run learned one that a controller can compute.
     #[must_use]
     pub fn reward(&self) -> Option<(&ExportedEnsemble, RewardRange)> {
-        let ensemble = self.rewards.ensemble.as_ref()?;
+        let ensemble = self.rewards.model.as_ref()?.ensemble()?;
         self.for_the_controller((ensemble, self.rewards.labels.range))
     }
 

@@ -8,6 +8,7 @@ mod offline;
 mod prepared;
 mod rewards;
 mod watch;
+mod work;
 
 pub use finished::{Finished, FinishedRun, newest_step, sequence_policy};
 pub use offline::{LearnedPolicy, NetworkPolicy, learn};
@@ -17,16 +18,15 @@ pub use watch::Watch;
 
 use std::path::PathBuf;
 
-use crate::algorithm::AlgorithmConfig;
 use crate::config::Config;
 use crate::contract::ContractText;
-use crate::dataset::{Dataset, SegmentSampler};
+use crate::dataset::Dataset;
 use crate::export::ExportError;
 use crate::filter::NothingKept;
 use crate::nn::BackendError;
 use crate::preferences::Teacher;
-use crate::reward::transport::{self, TransportError};
-use crate::reward::{LearnError, RewardConfig};
+use crate::reward::transport::TransportError;
+use crate::reward::{LearnError, Source};
 use crate::run::{RunError, RunFolder};
 use firmware_sim::disk::WriteError;
 
@@ -108,18 +108,12 @@ pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     ContractText::new(dataset)
         .contract()
         .map_err(ExportError::from)?;
-    match &config.reward {
-        RewardConfig::Oprl(oprl) => {
-            SegmentSampler::new(dataset, oprl.segment).map_err(LearnError::from)?;
-        }
-        RewardConfig::Transformer(config) => {
-            SegmentSampler::new(dataset, config.segment).map_err(LearnError::from)?;
-        }
-        RewardConfig::Transport(config) => transport::check(dataset, config)?,
-        _ => {}
+    match config.reward.source() {
+        Source::Computed(reward) => reward.check(dataset)?,
+        Source::Learned(learner) => learner.check(dataset)?,
     }
-    if let AlgorithmConfig::Oppo(oppo) = &config.algorithm {
-        SegmentSampler::new(dataset, oppo.segment).map_err(LearnError::from)?;
+    if let Some(questions) = config.algorithm.questions() {
+        questions.check(dataset)?;
     }
     Ok(config.filter.check(dataset.episodes().len())?)
 }

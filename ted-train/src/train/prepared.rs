@@ -16,6 +16,7 @@ use crate::ted::Discounted;
 
 use super::offline::LearnedPolicy;
 use super::rewards::{self, Rewards};
+use super::work::Work;
 use super::{Finished, FinishedRun, TrainError, check};
 
 /// A run that has nothing left to do but to learn a policy.
@@ -47,9 +48,14 @@ impl<'a> Prepared<'a> {
         check(dataset, config)?;
 
         // Phase 1 and 2: a reward for each transition.
-        let root = Seed::root(config.seed);
+        let work = Work {
+            dataset,
+            config,
+            folder,
+            audience,
+        };
         let clock = Clock::start(folder, Phase::Reward);
-        let rewards = rewards::rewards(dataset, config, folder, teacher, root, audience)?;
+        let rewards = rewards::rewards(work, teacher)?;
         let returns_hat = rewards.labels.episode_returns(dataset);
 
         // Phase 3: which transitions the policy is learned from, and a discount for each.

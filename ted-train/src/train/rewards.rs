@@ -1,37 +1,26 @@
 //! Phases 1 and 2: ask, learn the reward if the run has one to learn, and label the dataset.
 
-use firmware_sim::progress::Audience;
 use serde::{Deserialize, Serialize};
-use ted_core::RewardRange;
 use ted_policy::Digest;
 
-use crate::algorithm::{AlgorithmConfig, metrics};
-use crate::config::Config;
-use crate::dataset::Dataset;
+use crate::algorithm::metrics;
 use crate::export::ExportError;
 use crate::preferences::{LabelledPair, Teacher};
-use crate::reward::oprl::ExportedEnsemble;
 use crate::reward::quality::RewardQuality;
-use crate::reward::transformer;
-use crate::reward::transport::transport_labels;
-use crate::reward::{
-    Fit, HeldOut, Labels, RewardConfig, dataset_labels, ensemble_labels, negative_labels,
-    random_labels, zero_labels,
-};
-use crate::rng::Seed;
-use crate::run::{EventWriter, RunFolder};
+use crate::reward::{Fit, HeldOut, Labels, RewardLearner, RewardModel, Source};
+use crate::run::EventWriter;
 
 use super::TrainError;
-use super::answers::Answers;
-use super::model::{self, Facts, RewardModel};
+use super::answers;
+use super::model::{self, Facts, State};
+use super::work::Work;
 
 /// What `reward.json` says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RewardReport {
     /// Answers that were asked for.
     pub queries: usize,
-    /// Fit of the training pairs: of an ensemble after the first queries and after each round, of a transformer after every
-    /// [`transformer::LOOK_EVERY`] steps and at the end.
+    /// Fit of the training pairs, every time that the learner looked: [`RewardLearner::looked_at`] says when.
     pub fits: Vec<Fit>,
     /// Agreement on pairs that were not asked.
     pub held_out: Option<HeldOut>,
@@ -47,28 +36,24 @@ pub struct RewardReport {
 
 pub(super) struct Rewards {
     pub labels: Labels,
-    pub ensemble: Option<ExportedEnsemble>,
+    /// What they were learned as.
+    pub model: Option<RewardModel>,
     /// Answers that the policy itself is learned from.
     pub answers: Vec<LabelledPair>,
     pub preferences_digest: Option<Digest>,
 }
 
-/// Rewards of every transition, and the ensemble they came from.
-pub(super) fn rewards(
-    dataset: &Dataset,
-    config: &Config,
-    folder: &RunFolder,
-    teacher: &mut dyn Teacher,
-    root: Seed,
-    audience: Audience,
-) -> Result<Rewards, TrainError> {
-    let (mut rewards, mut facts) = label(dataset, config, root, audience, || {
-        model::learned(dataset, config, folder, teacher, root, audience)
+/// Rewards of every transition, and the model they came from.
+pub(super) fn rewards(work: Work<'_>, teacher: &mut dyn Teacher) -> Result<Rewards, TrainError> {
+    let (mut rewards, mut facts) = label(work, |learner| {
+        let (model, facts) = model::learned(learner, work, teacher)?;
+        curve(learner, work, &facts.fits)?;
+        Ok((model, facts))
     })?;
-    if let AlgorithmConfig::Oppo(oppo) = &config.algorithm {
-        (rewards.answers, facts) =
-            Answers::of_a_policy(oppo, dataset, folder, teacher, root, audience)?;
+    if let Some(questions) = work.config.algorithm.questions() {
+        (rewards.answers, facts) = answers::of_a_policy(questions, work, teacher)?;
     }
+    let there_is_one = !work.config.reward.is_none();
     let report = RewardReport {
         queries: facts.queries,
         fits: facts.fits,
@@ -76,17 +61,11 @@ pub(super) fn rewards(
         preferences_digest: facts.preferences_digest,
         low: rewards.labels.range.low,
         high: rewards.labels.range.high,
-        quality: match config.reward {
-            RewardConfig::None {} => None,
-            _ => Some(RewardQuality::measure(dataset, &rewards.labels)),
-        },
+        quality: there_is_one.then(|| RewardQuality::measure(work.dataset, &rewards.labels)),
     };
-    folder.write_json("reward.json", &report)?;
-    if !report.fits.is_empty() {
-        curve(folder, config, &report.fits)?;
-    }
+    work.folder.write_json("reward.json", &report)?;
     if let Some(quality) = report.quality.as_ref().filter(|_| report.queries > 0) {
-        audience.note(&format!(
+        work.audience.note(&format!(
             "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
              Pearson {:+.2} over transitions",
             report.queries,
@@ -100,60 +79,43 @@ pub(super) fn rewards(
 }
 
 /// How a learned reward came to fit its answers, for TensorBoard.
-fn curve(folder: &RunFolder, config: &Config, fits: &[Fit]) -> Result<(), TrainError> {
-    let mut events = EventWriter::create(folder.path(), "reward")?;
-    for (look, fit) in (1..).zip(fits) {
-        let step = match &config.reward {
-            RewardConfig::Transformer(it) => it.steps.min(look * transformer::LOOK_EVERY),
-            _ => look - 1,
-        };
-        events.push("reward", step, &metrics(fit))?;
+fn curve(learner: &dyn RewardLearner, work: Work<'_>, fits: &[Fit]) -> Result<(), TrainError> {
+    if fits.is_empty() {
+        return Ok(());
+    }
+    let mut events = EventWriter::create(work.folder.path(), "reward")?;
+    for (index, fit) in (0..).zip(fits) {
+        events.push("reward", learner.looked_at(index), &metrics(fit))?;
     }
     Ok(())
 }
 
 /// Rewards of every transition once more, from the model that the folder of a finished run holds.
-pub(super) fn relabel(
-    dataset: &Dataset,
-    config: &Config,
-    folder: &RunFolder,
-    audience: Audience,
-) -> Result<Rewards, TrainError> {
-    let root = Seed::root(config.seed);
-    let (rewards, _) = label(dataset, config, root, audience, || model::held(folder))?;
+pub(super) fn relabel(work: Work<'_>) -> Result<Rewards, TrainError> {
+    let (rewards, _) = label(work, |_| model::held(work.folder))?;
     Ok(rewards)
 }
 
 /// Labels the dataset as the configuration says; `model` is called for the sources that learn one.
 fn label(
-    dataset: &Dataset,
-    config: &Config,
-    root: Seed,
-    audience: Audience,
-    model: impl FnOnce() -> Result<(RewardModel, Facts), TrainError>,
+    work: Work<'_>,
+    model: impl FnOnce(&dyn RewardLearner) -> Result<State, TrainError>,
 ) -> Result<(Rewards, Facts), TrainError> {
-    let (mut ensemble, mut facts) = (None, Facts::default());
-    let raw = match &config.reward {
-        RewardConfig::True {} => dataset_labels(dataset),
-        RewardConfig::None {} | RewardConfig::Zero {} => zero_labels(dataset),
-        RewardConfig::Random {} => random_labels(dataset, root.child("reward/random")),
-        RewardConfig::Negative {} => negative_labels(dataset),
-        RewardConfig::Transport(config) => transport_labels(dataset, config, audience)?,
-        RewardConfig::Oprl(_) | RewardConfig::Transformer(_) => {
-            let (model, known) = model()?;
-            facts = known;
-            match model {
-                RewardModel::Labels(raw) => raw,
-                RewardModel::Ensemble(learned) => {
-                    audience.note("label the dataset with the ensemble");
-                    let raw = raw_labels(dataset, &learned)?;
-                    ensemble = Some(learned);
-                    raw
-                }
+    let (raw, model, facts) = match work.config.reward.source() {
+        Source::Computed(reward) => {
+            let raw = reward.raw_rewards(work.dataset, work.root(), work.audience)?;
+            (raw, None, Facts::default())
+        }
+        Source::Learned(learner) => {
+            let (model, facts) = model(learner)?;
+            if model.ensemble().is_some() {
+                work.audience.note("label the dataset with the ensemble");
             }
+            let raw = model.raw_rewards(work.dataset);
+            (raw.map_err(ExportError::from)?, Some(model), facts)
         }
     };
-    let labels = if config.unit_rewards {
+    let labels = if work.config.unit_rewards {
         Labels::unit(raw)
     } else {
         Labels::raw(raw)
@@ -164,19 +126,9 @@ fn label(
         .and_then(|digest| digest.parse().ok());
     let rewards = Rewards {
         labels,
-        ensemble,
+        model,
         answers: Vec::new(),
         preferences_digest,
     };
     Ok((rewards, facts))
-}
-
-/// What the ensemble says of every transition, before its range is known.
-fn raw_labels(dataset: &Dataset, ensemble: &ExportedEnsemble) -> Result<Vec<f32>, ExportError> {
-    let range = RewardRange {
-        low: 0.0,
-        high: 1.0,
-    };
-    let view = ensemble.view(range)?;
-    Ok(ensemble_labels(dataset, &view)?)
 }

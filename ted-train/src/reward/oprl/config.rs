@@ -3,18 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::nn::{Activation, Adam, Initialiser};
-use crate::reward::InputScaling;
-
-/// What a reward network sees of a transition.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RewardInputs {
-    /// The observation, as OPRL's code does.
-    Observation,
-    /// The observation and the action, as the paper writes r(s, a).
-    #[default]
-    ObservationAction,
-}
+use crate::reward::{InputScaling, RewardInputs};
 
 /// The ensemble, its queries and its training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

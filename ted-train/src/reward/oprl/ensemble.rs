@@ -3,14 +3,13 @@
 use burn::tensor::{Tensor, TensorData};
 
 use crate::dataset::{Dataset, ObservationStatistics, Segment};
-use crate::nn::{AdamState, Backend, Mlp, MlpShape};
+use crate::nn::{AdamState, Backend, ExportedMlp, Mlp, MlpShape};
 use crate::preferences::LabelledPair;
-use crate::reward::Fit;
 use crate::reward::loss::bradley_terry;
+use crate::reward::{ExportedEnsemble, Fit, InputMap};
 use crate::rng::Seed;
 
 use super::config::OprlConfig;
-use super::inputs::InputMap;
 
 /// Reward networks that differ in their initial weights and in their first query.
 #[derive(Clone)]
@@ -31,7 +30,7 @@ impl Ensemble {
         seed: Seed,
         backend: Backend,
     ) -> Self {
-        let inputs = InputMap::new(config, statistics, action_dim);
+        let inputs = InputMap::new(config.inputs, config.scaling, statistics, action_dim);
         let shape = MlpShape::new(inputs.width(), &config.hidden, 1, config.output);
         let mut rngs: Vec<_> = (0..config.members)
             .map(|m| seed.child(&format!("member/{m}")).rng())
@@ -108,6 +107,15 @@ impl Ensemble {
             .zip(returns.chunks_exact(2))
             .map(|(pair, r)| (pair.label, r[1] > r[0]));
         Some(Fit::new(loss.mean().into_scalar::<f32>(), second_first))
+    }
+
+    /// Takes the weights off the device.
+    #[must_use]
+    pub fn exported(&self) -> ExportedEnsemble {
+        ExportedEnsemble {
+            inputs: self.inputs.clone(),
+            members: ExportedMlp::members(&self.network),
+        }
     }
 
     /// Return of each segment as each member sees it: `[member][segment]`.

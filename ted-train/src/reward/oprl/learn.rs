@@ -1,14 +1,10 @@
 //! The procedure: ask each member's own question, train, then ask, train, ask, train what is most disputed.
 
 use firmware_sim::interrupt;
-use firmware_sim::progress::Audience;
 
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
-use crate::nn::Backend;
-use crate::preferences::{
-    Context, LabelledPair, PreferenceLog, Query, QueryStrategy, RandomPair, Teacher,
-};
-use crate::reward::{Fit, HeldOut, LearnError};
+use crate::preferences::{Context, Interview, LabelledPair, QueryStrategy, RandomPair};
+use crate::reward::{Fit, HeldOut, LearnError, Material};
 use crate::rng::Seed;
 
 use super::config::OprlConfig;
@@ -16,52 +12,58 @@ use super::disagreement::MostDisputed;
 use super::ensemble::Ensemble;
 
 /// A trained ensemble and how the training went.
-pub struct Learned {
+pub struct Trained {
     /// The ensemble.
     pub ensemble: Ensemble,
     /// Fit of the training pairs after the first queries and after each round.
     pub fits: Vec<Fit>,
 }
 
-/// Learns a reward ensemble from exactly `members + rounds` answers, each appended to `log` before it is used.
+/// Asks the first question of each member.
 ///
 /// # Errors
-/// When the dataset has no segment that long, the teacher or the log fails, a loss is not finite, or
-/// somebody asks to stop.
-pub fn learn(
+/// When the dataset has no segment that long, or an answer cannot be had or kept.
+pub fn ask(
     config: &OprlConfig,
-    dataset: &Dataset,
-    teacher: &mut dyn Teacher,
-    log: &mut PreferenceLog,
-    seed: Seed,
-    backend: Backend,
-    audience: Audience,
-) -> Result<Learned, LearnError> {
+    on: Material<'_>,
+    interview: &mut Interview<'_>,
+) -> Result<Vec<LabelledPair>, LearnError> {
+    let sampler = SegmentSampler::new(on.dataset, config.segment)?;
+    let ask = |member| {
+        let mut rng = on.seed.child(&format!("query/member/{member}")).rng();
+        let context = Context {
+            round: 0,
+            member: u32::try_from(member).ok(),
+        };
+        let segments = RandomPair.choose(&sampler, &mut rng);
+        Ok(interview.ask(context, segments)?)
+    };
+    (0..config.members).map(ask).collect()
+}
+
+/// Learns a reward ensemble from an answer for each member, and from one more in each round.
+///
+/// # Errors
+/// When the dataset has no segment that long, an answer cannot be had or kept, a loss is not finite, or somebody asks to
+/// stop.
+pub fn train(
+    config: &OprlConfig,
+    own: &[LabelledPair],
+    on: Material<'_>,
+    interview: &mut Interview<'_>,
+) -> Result<Trained, LearnError> {
+    let (dataset, seed) = (on.dataset, on.seed);
     let sampler = SegmentSampler::new(dataset, config.segment)?;
     let mut ensemble = Ensemble::new(
         config,
         &dataset.observation_statistics(),
         dataset.action_dim(),
         seed,
-        backend,
+        on.backend,
     );
-    let mut ask = |context, segments| -> Result<LabelledPair, LearnError> {
-        let query = Query { segments };
-        let answer = log.ask(dataset, teacher, context, query)?;
-        Ok(LabelledPair::new(query, answer))
-    };
-
-    let mut pairs = Vec::with_capacity(config.members);
-    for member in 0..config.members {
-        let mut rng = seed.child(&format!("query/member/{member}")).rng();
-        let context = Context {
-            round: 0,
-            member: u32::try_from(member).ok(),
-        };
-        pairs.push(vec![ask(context, RandomPair.choose(&sampler, &mut rng))?]);
-    }
+    let mut pairs: Vec<_> = own.iter().map(|&pair| vec![pair]).collect();
     let epochs = u64::from(config.epochs) * u64::from(1 + config.rounds);
-    let progress = audience.start("learn a reward", epochs, "epochs");
+    let progress = on.audience.start("learn a reward", epochs, "epochs");
     let mut going_on = || {
         progress.advance(1);
         !interrupt::requested()
@@ -81,13 +83,11 @@ pub fn learn(
             pool: config.pool,
         };
         let segments = disputed.choose(&sampler, &mut rng);
-        let pair = ask(
-            Context {
-                round,
-                member: None,
-            },
-            segments,
-        )?;
+        let context = Context {
+            round,
+            member: None,
+        };
+        let pair = interview.ask(context, segments)?;
         pairs.iter_mut().for_each(|own| own.push(pair));
         fits.push(finite(
             round,
@@ -95,10 +95,10 @@ pub fn learn(
         )?);
     }
     progress.finish();
-    Ok(Learned { ensemble, fits })
+    Ok(Trained { ensemble, fits })
 }
 
-/// Measures the ensemble on random pairs, against true returns.
+/// Measures the ensemble's mean return on random pairs, against true returns.
 ///
 /// # Errors
 /// When the dataset has no segment of the configured length.

@@ -21,15 +21,12 @@
 mod config;
 mod disagreement;
 mod ensemble;
-mod inputs;
 mod learn;
-mod state;
+mod learner;
 #[cfg(test)]
 mod tests;
 
-pub use config::{OprlConfig, RewardInputs};
+pub use config::OprlConfig;
 pub use disagreement::MostDisputed;
 pub use ensemble::Ensemble;
-pub use inputs::InputMap;
-pub use learn::{Learned, held_out_agreement, learn};
-pub use state::ExportedEnsemble;
+pub use learn::{Trained, ask, held_out_agreement, train};

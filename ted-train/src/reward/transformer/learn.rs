@@ -1,16 +1,11 @@
 //! The procedure: train on all answers at once.
 
-use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
-use firmware_sim::progress::Audience;
-use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::Checkpoint;
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
-use crate::nn::Backend;
 use crate::nn::transformer::Dropout;
 use crate::preferences::LabelledPair;
-use crate::reward::{Fit, HeldOut, LearnError};
+use crate::reward::{Fit, HeldOut, LearnError, Material, Save, Saved};
 use crate::rng::Seed;
 
 use super::config::PtConfig;
@@ -21,15 +16,8 @@ use super::training::{Training, numbers, pair_clips};
 /// configuration.
 pub const LOOK_EVERY: u64 = 500;
 
-/// What a training goes on from.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Saved {
-    pub(super) checkpoint: Checkpoint,
-    pub(super) fits: Vec<Fit>,
-}
-
 /// A trained transformer and how the training went.
-pub struct Learned {
+pub struct Trained {
     /// The transformer.
     pub transformer: RewardTransformer,
     /// Fit of the training pairs after every [`LOOK_EVERY`] steps and at the end.
@@ -41,20 +29,19 @@ pub struct Learned {
 ///
 /// # Errors
 /// When `save` fails, the saved state does not fit, a loss is not finite, or somebody asks to stop.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "what is learned from, with what, and where it is kept"
-)]
-pub fn learn(
+pub fn train(
     config: &PtConfig,
-    dataset: &Dataset,
     pairs: &[LabelledPair],
-    seed: Seed,
-    backend: Backend,
+    on: Material<'_>,
     saved: Option<Saved>,
-    save: &mut dyn FnMut(&Saved) -> Result<(), WriteError>,
-    audience: Audience,
-) -> Result<Learned, LearnError> {
+    save: Save<'_>,
+) -> Result<Trained, LearnError> {
+    let Material {
+        dataset,
+        seed,
+        backend,
+        audience,
+    } = on;
     let statistics = dataset.observation_statistics();
     let actions = dataset.action_dim();
     let transformer = RewardTransformer::new(config, &statistics, actions, seed, backend);
@@ -93,7 +80,7 @@ pub fn learn(
     }
     progress.finish();
     let transformer = training.transformer;
-    Ok(Learned { transformer, fits })
+    Ok(Trained { transformer, fits })
 }
 
 /// Measures the transformer's scores on random pairs, against true returns.

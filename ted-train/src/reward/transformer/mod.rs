@@ -35,6 +35,7 @@ mod config;
 mod head;
 mod labels;
 mod learn;
+mod learner;
 mod network;
 #[cfg(test)]
 mod tests;
@@ -42,5 +43,5 @@ mod training;
 
 pub use config::{PtConfig, RewardHead};
 pub use labels::transformer_labels;
-pub use learn::{LOOK_EVERY, Learned, Saved, held_out_agreement, learn};
+pub use learn::{LOOK_EVERY, Trained, held_out_agreement, train};
 pub use network::RewardTransformer;

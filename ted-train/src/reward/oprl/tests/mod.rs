@@ -3,13 +3,18 @@
 mod questions;
 mod training;
 
+use std::path::Path;
+
+use firmware_sim::progress::Audience;
+
 use crate::dataset::{Dataset, EpisodeRecord, Shape};
 use crate::nn::fixtures::numbers;
 use crate::nn::{Activation, Backend};
-use crate::reward::InputScaling;
+use crate::preferences::{Interview, LogEntry, PreferenceLog, Teacher};
+use crate::reward::{InputScaling, Material};
 use crate::rng::Seed;
 
-use super::{Ensemble, OprlConfig};
+use super::{Ensemble, OprlConfig, Trained, ask, train};
 
 const SHAPE: Shape = Shape {
     observation: 3,
@@ -65,4 +70,26 @@ fn ensemble(config: &OprlConfig, dataset: &Dataset, backend: Backend) -> Ensembl
         Seed::root(1),
         backend,
     )
+}
+
+/// The whole procedure, and the log that it leaves at `path`.
+fn learn(
+    config: &OprlConfig,
+    dataset: &Dataset,
+    teacher: &mut dyn Teacher,
+    path: &Path,
+    seed: Seed,
+    backend: Backend,
+) -> (Trained, Vec<LogEntry>) {
+    let log = PreferenceLog::open(path, dataset).unwrap();
+    let mut interview = Interview::new(dataset, teacher, log);
+    let on = Material {
+        dataset,
+        seed,
+        backend,
+        audience: Audience::Nobody,
+    };
+    let own = ask(config, on, &mut interview).unwrap();
+    let trained = train(config, &own, on, &mut interview).unwrap();
+    (trained, interview.entries().to_vec())
 }

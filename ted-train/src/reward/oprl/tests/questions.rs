@@ -1,6 +1,5 @@
 //! Which questions are asked: the most disputed ones, and ten in all.
 
-use firmware_sim::progress::Audience;
 use rand::RngExt;
 
 use crate::dataset::{Dataset, Segment, SegmentSampler};
@@ -8,13 +7,13 @@ use crate::nn::Backend;
 use crate::nn::fixtures::tensor;
 use crate::nn::{Activation, Linear, Mlp};
 use crate::preferences::{
-    Answer, Context, PreferenceError, PreferenceLog, Query, QueryStrategy, RandomPair,
-    ReplayTeacher, ScriptedTeacher, Teacher,
+    Answer, Context, PreferenceError, Query, QueryStrategy, RandomPair, ReplayTeacher,
+    ScriptedTeacher, Teacher,
 };
-use crate::reward::oprl::{Ensemble, ExportedEnsemble, MostDisputed, OprlConfig, learn};
+use crate::reward::oprl::{Ensemble, MostDisputed, OprlConfig};
 use crate::rng::Seed;
 
-use super::{SEGMENT, SHAPE, config, dataset, ensemble};
+use super::{SEGMENT, SHAPE, config, dataset, ensemble, learn};
 
 const POOL: usize = 40;
 
@@ -139,25 +138,16 @@ impl<T: Teacher> Teacher for Counting<T> {
 fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
     let dataset = dataset();
     let folder = tempfile::tempdir().unwrap();
-    let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), &dataset).unwrap();
     let mut teacher = Counting {
         teacher: ScriptedTeacher::new(0.0).unwrap(),
         asked: 0,
     };
     let config = config();
     let seed = Seed::root(2);
-    let learned = learn(
-        &config,
-        &dataset,
-        &mut teacher,
-        &mut log,
-        seed,
-        Backend::Flex,
-        Audience::Nobody,
-    )
-    .unwrap();
+    let log = folder.path().join("log.jsonl");
+    let (learned, entries) = learn(&config, &dataset, &mut teacher, &log, seed, Backend::Flex);
     assert_eq!((teacher.asked, config.queries()), (10, 10));
-    let contexts: Vec<_> = log.entries().iter().map(|entry| entry.context).collect();
+    let contexts: Vec<_> = entries.iter().map(|entry| entry.context).collect();
     let own = (0..7).map(|m| Context {
         round: 0,
         member: Some(m),
@@ -174,24 +164,15 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
 fn a_shared_answer_is_learned_by_every_member() {
     let dataset = dataset();
     let folder = tempfile::tempdir().unwrap();
-    let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), &dataset).unwrap();
     let mut teacher = ScriptedTeacher::new(0.0).unwrap();
     let config = OprlConfig {
         epochs: 150,
         ..config()
     };
     let seed = Seed::root(2);
-    let learned = learn(
-        &config,
-        &dataset,
-        &mut teacher,
-        &mut log,
-        seed,
-        Backend::Flex,
-        Audience::Nobody,
-    )
-    .unwrap();
-    for entry in &log.entries()[7..] {
+    let log = folder.path().join("log.jsonl");
+    let (learned, entries) = learn(&config, &dataset, &mut teacher, &log, seed, Backend::Flex);
+    for entry in &entries[7..] {
         let returns = learned
             .ensemble
             .segment_returns(&dataset, &entry.query.segments);
@@ -209,21 +190,15 @@ fn the_log_alone_replays_the_run_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let run = |name: &str, teacher: &mut dyn Teacher| {
         let path = folder.path().join(name);
-        let mut log = PreferenceLog::open(&path, &dataset).unwrap();
-        let learned = learn(
+        let (learned, _) = learn(
             &config(),
             &dataset,
             teacher,
-            &mut log,
+            &path,
             Seed::root(2),
             Backend::Flex,
-            Audience::Nobody,
-        )
-        .unwrap();
-        (
-            std::fs::read(&path).unwrap(),
-            ExportedEnsemble::new(&learned.ensemble),
-        )
+        );
+        (std::fs::read(&path).unwrap(), learned.ensemble.exported())
     };
     let (log, ensemble) = run("first.jsonl", &mut ScriptedTeacher::new(0.0).unwrap());
     let mut replay = ReplayTeacher::open(folder.path().join("first.jsonl"), &dataset).unwrap();

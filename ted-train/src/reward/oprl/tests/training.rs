@@ -3,14 +3,13 @@
 use crate::dataset::{Segment, SegmentSampler};
 use crate::nn::fixtures::{BACKENDS, assert_close, tensor, values, wide};
 use crate::nn::scalar::ScalarMlp;
-use crate::preferences::{LabelledPair, PreferenceLog, QueryStrategy, RandomPair, ScriptedTeacher};
-use crate::reward::oprl::{ExportedEnsemble, OprlConfig, RewardInputs, held_out_agreement, learn};
-use crate::reward::{InputScaling, ensemble_labels};
+use crate::preferences::{LabelledPair, QueryStrategy, RandomPair, ScriptedTeacher};
+use crate::reward::oprl::{OprlConfig, held_out_agreement};
+use crate::reward::{InputScaling, RewardInputs, ensemble_labels};
 use crate::rng::Seed;
-use firmware_sim::progress::Audience;
 use ted_core::RewardRange;
 
-use super::{SEGMENT, SHAPE, config, dataset, ensemble};
+use super::{SEGMENT, SHAPE, config, dataset, ensemble, learn};
 
 #[test]
 fn with_many_answers_the_ensemble_orders_segments_that_nobody_was_asked_about() {
@@ -21,7 +20,7 @@ fn with_many_answers_the_ensemble_orders_segments_that_nobody_was_asked_about() 
     };
     for backend in BACKENDS {
         let folder = tempfile::tempdir().unwrap();
-        let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), &dataset).unwrap();
+        let log = folder.path().join("log.jsonl");
         let mut teacher = ScriptedTeacher::new(0.0).unwrap();
         let seed = Seed::root(3);
         let fresh = held_out_agreement(
@@ -30,16 +29,7 @@ fn with_many_answers_the_ensemble_orders_segments_that_nobody_was_asked_about() 
             &dataset,
             seed,
         );
-        let learned = learn(
-            &config,
-            &dataset,
-            &mut teacher,
-            &mut log,
-            seed,
-            backend,
-            Audience::Nobody,
-        )
-        .unwrap();
+        let (learned, _) = learn(&config, &dataset, &mut teacher, &log, seed, backend);
         let held_out = held_out_agreement(&config, &learned.ensemble, &dataset, seed).unwrap();
         assert!(fresh.unwrap().agreement < 0.8);
         assert!(held_out.agreement > 0.85, "{held_out:?}");
@@ -123,7 +113,7 @@ fn the_controller_s_core_labels_with_the_mean_of_the_members() {
                 };
             let x = tensor(&rows, [1, dataset.step_count(), width], backend);
             let expected = values(ensemble.network.forward(x).mean_dim(0));
-            let exported = ExportedEnsemble::new(&ensemble);
+            let exported = ensemble.exported();
             let range = RewardRange {
                 low: 0.0,
                 high: 1.0,

@@ -2,26 +2,36 @@
 
 use firmware_sim::progress::Audience;
 
-use crate::dataset::{Dataset, Segment, SegmentSampler};
+use crate::dataset::{Dataset, Segment};
 use crate::nn::Backend;
 use crate::nn::fixtures::bits;
-use crate::preferences::{LabelledPair, PreferenceLog, ScriptedTeacher};
-use crate::reward::ask_random_pairs;
+use crate::preferences::{Interview, LabelledPair, PreferenceLog, ScriptedTeacher};
 use crate::reward::transformer::training::Training;
 use crate::reward::transformer::{
-    Learned, PtConfig, Saved, held_out_agreement, learn, transformer_labels,
+    PtConfig, Trained, held_out_agreement, train, transformer_labels,
 };
+use crate::reward::{Material, RewardLearner, Saved};
 use crate::rng::Seed;
 
 use super::{HEADS, SEGMENT, SHAPE, config, dataset, transformer};
 
 fn answers(config: &PtConfig, dataset: &Dataset) -> Vec<LabelledPair> {
     let folder = tempfile::tempdir().unwrap();
-    let mut log = PreferenceLog::open(folder.path().join("log.jsonl"), dataset).unwrap();
+    let log = PreferenceLog::open(folder.path().join("log.jsonl"), dataset).unwrap();
     let mut teacher = ScriptedTeacher::new(0.0).unwrap();
-    let sampler = SegmentSampler::new(dataset, SEGMENT).unwrap();
-    let (queries, seed) = (config.queries, Seed::root(3));
-    ask_random_pairs(queries, dataset, &sampler, &mut teacher, &mut log, seed).unwrap()
+    let mut interview = Interview::new(dataset, &mut teacher, log);
+    config
+        .ask(on(dataset, Backend::Flex), &mut interview)
+        .unwrap()
+}
+
+fn on(dataset: &Dataset, backend: Backend) -> Material<'_> {
+    Material {
+        dataset,
+        seed: Seed::root(3),
+        backend,
+        audience: Audience::Nobody,
+    }
 }
 
 fn run(
@@ -30,10 +40,9 @@ fn run(
     pairs: &[LabelledPair],
     backend: Backend,
     saved: Option<Saved>,
-) -> Learned {
-    let (seed, audience) = (Seed::root(3), Audience::Nobody);
-    let save = &mut |_: &Saved| Ok(());
-    learn(config, dataset, pairs, seed, backend, saved, save, audience).unwrap()
+) -> Trained {
+    let on = on(dataset, backend);
+    train(config, pairs, on, saved, &mut |_| Ok(())).unwrap()
 }
 
 #[test]
@@ -102,7 +111,7 @@ fn a_restored_training_goes_on_to_the_bit() {
         };
         let resumed = run(&config, &dataset, &pairs, Backend::Flex, Some(saved));
         assert_eq!((resumed.fits.len(), &resumed.fits), (1, &whole.fits));
-        let labels = |learned: &Learned| {
+        let labels = |learned: &Trained| {
             bits(&transformer_labels(&dataset, &learned.transformer, Audience::Nobody).unwrap())
         };
         assert_eq!(labels(&resumed), labels(&whole), "{head:?}");

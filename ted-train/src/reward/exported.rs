@@ -1,13 +1,11 @@
-//! The trained ensemble in the controller's layout: what labels the dataset, is saved, and travels in the artefact.
+//! A trained ensemble in the controller's layout: what labels the dataset, is saved, and travels in the artefact.
 
 use serde::{Deserialize, Serialize};
 use ted_core::{Normaliser, RewardEnsemble, RewardInput, RewardRange, ShapeError};
 
 use crate::nn::ExportedMlp;
 
-use super::config::RewardInputs;
-use super::ensemble::Ensemble;
-use super::inputs::InputMap;
+use super::{InputMap, RewardInputs};
 
 /// A reward ensemble as plain arrays, each member in `ted_core`'s row-major `[out][in]` order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,15 +17,6 @@ pub struct ExportedEnsemble {
 }
 
 impl ExportedEnsemble {
-    /// Takes the weights off the device.
-    #[must_use]
-    pub fn new(ensemble: &Ensemble) -> Self {
-        Self {
-            inputs: ensemble.inputs.clone(),
-            members: ExportedMlp::members(&ensemble.network),
-        }
-    }
-
     /// The controller's view of it, with the raw rewards that map to 0 and 1.
     ///
     /// # Errors

@@ -1,11 +1,24 @@
 //! From transitions to the scaled inputs of the reward networks.
 
+use serde::{Deserialize, Serialize};
+
 use crate::dataset::{Dataset, ObservationStatistics};
 
-use super::config::{OprlConfig, RewardInputs};
+use super::InputScaling;
+
+/// What a reward network sees of a transition.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RewardInputs {
+    /// The observation, as OPRL's code does.
+    Observation,
+    /// The observation and the action, as the paper writes r(s, a).
+    #[default]
+    ObservationAction,
+}
 
 /// The affine map `(raw - shift) * scale` of every input channel: the observation's, then the action's if it is one.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputMap {
     /// What the channels are.
     pub inputs: RewardInputs,
@@ -16,17 +29,22 @@ pub struct InputMap {
 }
 
 impl InputMap {
-    /// The map that the config asks for, on the statistics of this dataset. Actions are already in [-1, 1].
+    /// The map of these inputs on the statistics of a dataset. Actions are already in [-1, 1].
     #[must_use]
-    pub fn new(config: &OprlConfig, statistics: &ObservationStatistics, action_dim: usize) -> Self {
+    pub fn new(
+        inputs: RewardInputs,
+        scaling: InputScaling,
+        statistics: &ObservationStatistics,
+        action_dim: usize,
+    ) -> Self {
         let observation_dim = statistics.mean.len();
-        let [mut shift, mut scale] = config.scaling.shift_and_scale(statistics);
-        if config.inputs == RewardInputs::ObservationAction {
+        let [mut shift, mut scale] = scaling.shift_and_scale(statistics);
+        if inputs == RewardInputs::ObservationAction {
             shift.resize(observation_dim + action_dim, 0.0);
             scale.resize(observation_dim + action_dim, 1.0);
         }
         Self {
-            inputs: config.inputs,
+            inputs,
             shift,
             scale,
         }

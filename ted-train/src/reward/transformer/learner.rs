@@ -1,0 +1,80 @@
+//! The Preference Transformer as a run sees it.
+
+use crate::dataset::Dataset;
+use crate::preferences::{Interview, LabelledPair};
+use crate::reward::{
+    LearnError, Learned, Material, RandomQueries, RewardLearner, RewardModel, Save, Saved,
+};
+
+use super::config::PtConfig;
+use super::labels::transformer_labels;
+use super::learn::{LOOK_EVERY, held_out_agreement, train};
+
+impl RewardLearner for PtConfig {
+    fn check(&self, dataset: &Dataset) -> Result<(), LearnError> {
+        self.questions().check(dataset)
+    }
+
+    fn ask(
+        &self,
+        on: Material<'_>,
+        interview: &mut Interview<'_>,
+    ) -> Result<Vec<LabelledPair>, LearnError> {
+        self.questions().ask(on.dataset, interview, on.seed)
+    }
+
+    fn learn(
+        &self,
+        answers: &[LabelledPair],
+        on: Material<'_>,
+        _: &mut Interview<'_>,
+        save: Save<'_>,
+    ) -> Result<Learned, LearnError> {
+        self.go_on(None, answers, on, save)
+    }
+
+    fn resume(
+        &self,
+        saved: Saved,
+        answers: &[LabelledPair],
+        on: Material<'_>,
+        _: &mut Interview<'_>,
+        save: Save<'_>,
+    ) -> Result<Learned, LearnError> {
+        self.go_on(Some(saved), answers, on, save)
+    }
+
+    fn takes_long(&self) -> bool {
+        true
+    }
+
+    fn looked_at(&self, index: u64) -> u64 {
+        self.steps.min((index + 1) * LOOK_EVERY)
+    }
+}
+
+impl PtConfig {
+    fn questions(&self) -> RandomQueries {
+        RandomQueries {
+            queries: self.queries,
+            segment: self.segment,
+        }
+    }
+
+    fn go_on(
+        &self,
+        saved: Option<Saved>,
+        answers: &[LabelledPair],
+        on: Material<'_>,
+        save: Save<'_>,
+    ) -> Result<Learned, LearnError> {
+        let trained = train(self, answers, on, saved, save)?;
+        let held_out = held_out_agreement(self, &trained.transformer, on.dataset, on.seed)?;
+        let labels = transformer_labels(on.dataset, &trained.transformer, on.audience)?;
+        Ok(Learned {
+            model: RewardModel::Labels(labels),
+            fits: trained.fits,
+            held_out,
+        })
+    }
+}
