@@ -74,6 +74,8 @@ pub struct Discounted {
     pub rewards: Vec<f32>,
     /// Its discount factor: 0 after a terminal.
     pub discounts: Vec<f32>,
+    /// What discounts came from where a device can repeat it: [`DiscountConfig::lookup`].
+    pub lookup: Option<TedDiscount>,
 }
 
 impl DiscountConfig {
@@ -108,12 +110,12 @@ impl DiscountConfig {
     /// # Errors
     /// When the rule has a sigma and it or gamma lies outside [0, 1].
     pub fn apply(&self, dataset: &Dataset, labels: &Labels) -> Result<Discounted, DiscountError> {
-        let returns_hat = labels.episode_returns(dataset);
-        let lookup = self.lookup(&returns_hat)?;
+        let returns_hat = &labels.returns_hat;
+        let lookup = self.lookup(returns_hat)?;
         let mut rewards = labels.rewards.clone();
         let discounts = match *self {
             Self::Constant { .. } | Self::Ted { .. } => {
-                self.discounts(lookup.as_ref(), dataset, &returns_hat)
+                self.discounts(lookup.as_ref(), dataset, returns_hat)
             }
             Self::TedTransition { gamma, k, sigma } => {
                 let ted = TedDiscount::new(gamma, sigma, ReturnThreshold::<f32>::ALL)?;
@@ -121,17 +123,21 @@ impl DiscountConfig {
             }
             Self::TedSoft { gamma, sigma } => {
                 let ted = TedDiscount::new(gamma, sigma, ReturnThreshold::<f32>::ALL)?;
-                let factors = alternatives::soft(&ted, &returns_hat);
+                let factors = alternatives::soft(&ted, returns_hat);
                 stopped(dataset, of_episodes(dataset, &factors))
             }
             Self::RewardPenalty { gamma, k, penalty } => {
-                let penalties = alternatives::penalties(k, penalty, &returns_hat);
+                let penalties = alternatives::penalties(k, penalty, returns_hat);
                 let penalties = of_episodes(dataset, &penalties);
                 rewards.iter_mut().zip(penalties).for_each(|(r, p)| *r -= p);
                 stopped(dataset, vec![gamma; dataset.step_count()])
             }
         };
-        Ok(Discounted { rewards, discounts })
+        Ok(Discounted {
+            rewards,
+            discounts,
+            lookup,
+        })
     }
 
     /// The lookup for a dataset with these predicted episode returns. `None` for every rule but TED: a device keeps one sum for

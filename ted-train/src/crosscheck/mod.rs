@@ -186,17 +186,16 @@ pub fn crosscheck(
     }
     match (artifact.ted(), &run.config().discount) {
         (Some(ted), DiscountConfig::Ted { k, .. }) => {
-            let returns_hat = run.labels().episode_returns(dataset);
             checks.push(Check::exact(
                 tolerance::CLASSES,
-                state::classes(&ted, &returns_hat, *k),
+                state::classes(&ted, &run.labels().returns_hat, *k),
             ));
         }
         _ => left_out.push("TED classes: the artefact holds no lookup".to_owned()),
     }
     match (run.ted(), &exported.integer_classes) {
         (Some(ted), Some(integer_classes)) => {
-            let float_classes = classes(&ted, &run.labels().episode_returns(dataset));
+            let float_classes = classes(&ted, &run.labels().returns_hat);
             for (tolerance, numeric, trained) in [
                 (tolerance::SCORED_F32, Numeric::F32, &float_classes),
                 (tolerance::SCORED_INTEGER, Numeric::Integer, integer_classes),

@@ -97,8 +97,9 @@ fn integers_stay_near_the_floats_and_their_border_keeps_the_share_k() {
             low: 0.0,
             high: 1.0,
         };
-        let labels = Labels::unit(ensemble_labels(&dataset, &ensemble(raw)).unwrap());
-        let returns_hat = labels.episode_returns(&dataset);
+        let raw = ensemble_labels(&dataset, &ensemble(raw)).unwrap();
+        let labels = Labels::unit(&dataset, raw);
+        let returns_hat = labels.returns_hat.clone();
         let ted = rule.lookup(&returns_hat).unwrap().unwrap();
         let contract = contract(1.2);
         let originals = Originals {

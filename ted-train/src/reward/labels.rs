@@ -5,53 +5,54 @@ use ted_core::{EpisodeReturn, RewardEnsemble, RewardRange, Scratch, ShapeError};
 
 use crate::dataset::Dataset;
 
-/// Rewards of a dataset as the learner sees them.
+/// Rewards of a dataset as the learner sees them, and what they come to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labels {
     /// One reward for each transition, in [0, 1] when mapped.
     pub rewards: Vec<f32>,
     /// The raw rewards that became 0 and 1.
     pub range: RewardRange,
+    /// Predicted return of each episode: the sum that the device keeps, in its order and precision.
+    pub returns_hat: Vec<f32>,
 }
 
 impl Labels {
     /// Maps raw rewards to [0, 1] by their smallest and largest value over the dataset.
     #[must_use]
-    pub fn unit(raw: Vec<f32>) -> Self {
+    pub fn unit(dataset: &Dataset, raw: Vec<f32>) -> Self {
         let low = raw.iter().copied().fold(f32::INFINITY, f32::min);
         let high = raw.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let range = RewardRange { low, high };
-        Self {
-            rewards: raw.into_par_iter().map(|r| range.reward_hat(r)).collect(),
-            range,
-        }
+        let rewards = raw.into_par_iter().map(|r| range.reward_hat(r)).collect();
+        Self::new(dataset, rewards, range)
     }
 
     /// Leaves raw rewards as they are. TED then inverts where values are negative; a test shows it.
     #[must_use]
-    pub fn raw(raw: Vec<f32>) -> Self {
-        Self {
-            rewards: raw,
-            range: RewardRange {
-                low: 0.0,
-                high: 1.0,
-            },
-        }
+    pub fn raw(dataset: &Dataset, raw: Vec<f32>) -> Self {
+        let range = RewardRange {
+            low: 0.0,
+            high: 1.0,
+        };
+        Self::new(dataset, raw, range)
     }
 
-    /// Predicted return of each episode: the sum that the device keeps, in its order and precision.
-    #[must_use]
-    pub fn episode_returns(&self, dataset: &Dataset) -> Vec<f32> {
+    fn new(dataset: &Dataset, rewards: Vec<f32>, range: RewardRange) -> Self {
         let sum = |rewards: &[f32]| {
             let mut total = EpisodeReturn::new();
             rewards.iter().for_each(|&r| total.push(r));
             total.return_hat()
         };
-        dataset
+        let returns_hat = dataset
             .episodes()
             .iter()
-            .map(|e| sum(&self.rewards[e.first_step..e.first_step + e.len]))
-            .collect()
+            .map(|e| sum(&rewards[e.first_step..e.first_step + e.len]))
+            .collect();
+        Self {
+            rewards,
+            range,
+            returns_hat,
+        }
     }
 }
 

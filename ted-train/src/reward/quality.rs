@@ -38,11 +38,7 @@ impl RewardQuality {
     /// Measures labels against the dataset's own rewards.
     #[must_use]
     pub fn measure(dataset: &Dataset, labels: &Labels) -> Self {
-        let hat: Vec<f64> = labels
-            .episode_returns(dataset)
-            .into_iter()
-            .map(f64::from)
-            .collect();
+        let hat: Vec<f64> = labels.returns_hat.iter().copied().map(f64::from).collect();
         let truth: Vec<f64> = dataset.episodes().iter().map(|e| e.return_true).collect();
         let ranking = ranking(&hat);
         let third = hat.len() / 3;
@@ -130,8 +126,6 @@ fn unit(values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use ted_core::RewardRange;
-
     use super::*;
     use crate::dataset::fixtures::{SHAPE, records};
 
@@ -142,14 +136,7 @@ mod tests {
             record.rewards = vec![reward];
         }
         let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records).unwrap();
-        let labels = Labels {
-            rewards: hat.to_vec(),
-            range: RewardRange {
-                low: 0.0,
-                high: 1.0,
-            },
-        };
-        RewardQuality::measure(&dataset, &labels)
+        RewardQuality::measure(&dataset, &Labels::raw(&dataset, hat.to_vec()))
     }
 
     #[test]

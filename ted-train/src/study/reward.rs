@@ -89,7 +89,7 @@ pub fn measure(
         task: dataset.task().unwrap_or("unknown").to_owned(),
         seed,
         held_out: learned.held_out.agreement,
-        quality: RewardQuality::measure(dataset, &Labels::unit(raw)),
+        quality: RewardQuality::measure(dataset, &Labels::unit(dataset, raw)),
     })
 }
 

@@ -64,10 +64,12 @@ mod tests {
         Dataset::from_records("ted/x-v0", SHAPE, &records(&[2, 3, 2])).unwrap()
     }
 
+    fn labels() -> Labels {
+        Labels::raw(&dataset(), REWARDS.to_vec())
+    }
+
     fn applied(config: &DiscountConfig) -> Discounted {
-        config
-            .apply(&dataset(), &Labels::raw(REWARDS.to_vec()))
-            .unwrap()
+        config.apply(&dataset(), &labels()).unwrap()
     }
 
     #[test]
@@ -77,7 +79,9 @@ mod tests {
             k: 43.0,
             sigma: 0.5,
         };
-        let Discounted { rewards, discounts } = applied(&config);
+        let Discounted {
+            rewards, discounts, ..
+        } = applied(&config);
         assert_eq!(rewards, REWARDS);
         // Three of seven: 0.875, 0.75, and of the two halves the earlier one.
         let [full, low, none] = [0.5, 0.25, 0.0];
@@ -90,7 +94,9 @@ mod tests {
             gamma: 0.5,
             sigma: 0.5,
         };
-        let Discounted { rewards, discounts } = applied(&config);
+        let Discounted {
+            rewards, discounts, ..
+        } = applied(&config);
         assert_eq!(rewards, REWARDS);
         let [best, middle, worst, none] = [0.5, 0.375, 0.25, 0.0];
         assert_eq!(discounts, [worst, worst, best, best, none, middle, middle]);
@@ -116,8 +122,9 @@ mod tests {
     fn a_penalty_lowers_the_rewards_of_the_episodes_that_ted_would_discount() {
         let (gamma, k) = (0.5, 67.0);
         let penalty = 0.25;
-        let Discounted { rewards, discounts } =
-            applied(&DiscountConfig::RewardPenalty { gamma, k, penalty });
+        let Discounted {
+            rewards, discounts, ..
+        } = applied(&DiscountConfig::RewardPenalty { gamma, k, penalty });
         assert_eq!(rewards[..2], [0.25, -0.25]);
         assert_eq!(rewards[2..], REWARDS[2..]);
         assert_eq!(discounts, [0.5, 0.5, 0.5, 0.5, 0.0, 0.5, 0.5]);
@@ -132,7 +139,9 @@ mod tests {
     #[test]
     fn without_a_consequence_every_rule_is_the_constant_discount_to_the_bit() {
         let bits = |config: DiscountConfig| {
-            let Discounted { rewards, discounts } = applied(&config);
+            let Discounted {
+                rewards, discounts, ..
+            } = applied(&config);
             let bits = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect::<Vec<_>>();
             (bits(rewards), bits(discounts))
         };
@@ -168,8 +177,7 @@ mod tests {
 
     #[test]
     fn a_sigma_or_gamma_out_of_range_is_refused_under_every_rule_that_has_one() {
-        let labels = Labels::raw(REWARDS.to_vec());
-        let refused = |rule: DiscountConfig| rule.apply(&dataset(), &labels).unwrap_err();
+        let refused = |rule: DiscountConfig| rule.apply(&dataset(), &labels()).unwrap_err();
         let k = 50.0;
         let (gamma, sigma) = (0.99, 1.5);
         let error = ted_core::DiscountError::Sigma { actual: sigma };

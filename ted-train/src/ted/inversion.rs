@@ -63,9 +63,7 @@ struct Values {
 
 /// Value iteration over the transitions of the dataset.
 fn values(dataset: &Dataset, labels: &Labels, discount: &DiscountConfig) -> Values {
-    let returns_hat = labels.episode_returns(dataset);
-    let lookup = discount.lookup(&returns_hat).unwrap();
-    let discounts = discount.discounts(lookup.as_ref(), dataset, &returns_hat);
+    let discounts = discount.apply(dataset, labels).unwrap().discounts;
     let state = |observation: &[f32]| observation[0] as usize;
     let mut v = [0.0; STATES];
     let worth = |step: usize, v: &[f64; STATES]| {
@@ -93,7 +91,7 @@ fn values(dataset: &Dataset, labels: &Labels, discount: &DiscountConfig) -> Valu
 #[test]
 fn with_negative_rewards_a_lower_discount_makes_the_poor_region_look_the_best() {
     let dataset = dataset();
-    let labels = Labels::raw(dataset.rewards_true().to_vec());
+    let labels = Labels::raw(&dataset, dataset.rewards_true().to_vec());
     let plain = values(&dataset, &labels, &DiscountConfig::CONSTANT);
     let ted = values(&dataset, &labels, &DiscountConfig::TED);
     assert!(plain.enter_good > plain.enter_poor, "{plain:?}");
@@ -106,7 +104,7 @@ fn with_negative_rewards_a_lower_discount_makes_the_poor_region_look_the_best() 
 #[test]
 fn mapped_to_the_unit_interval_a_lower_discount_lowers_the_poor_region_and_nothing_else() {
     let dataset = dataset();
-    let labels = Labels::unit(dataset.rewards_true().to_vec());
+    let labels = Labels::unit(&dataset, dataset.rewards_true().to_vec());
     let plain = values(&dataset, &labels, &DiscountConfig::CONSTANT);
     let ted = values(&dataset, &labels, &DiscountConfig::TED);
     // The poor reward is mapped to 0.2: 0.2 / (1 - 0.99) and 0.2 / (1 - 0.7 * 0.99).

@@ -69,9 +69,7 @@ impl FinishedRun {
             folder,
             audience,
         })?;
-        let ted = config
-            .discount
-            .lookup(&rewards.labels.episode_returns(dataset))?;
+        let ted = config.discount.lookup(&rewards.labels.returns_hat)?;
         Ok(Self {
             config,
             policy,
@@ -93,7 +91,7 @@ impl FinishedRun {
             reward: self.reward(),
             // The controller's lookup is worth nothing to it without the ensemble's returns.
             ted: self.ted().map(|ted| (ted, &self.config.discount)),
-            returns_hat: &self.labels().episode_returns(dataset),
+            returns_hat: &self.labels().returns_hat,
             preset: self.config.preset.name(),
             seed: self.config.seed,
             steps: self.config.algorithm.steps(),

@@ -2,7 +2,6 @@
 //! the policy it writes its artefact.
 
 use firmware_sim::progress::Audience;
-use ted_core::TedDiscount;
 
 use crate::algorithm::Replay;
 use crate::checkpoint::Checkpoint;
@@ -27,7 +26,6 @@ pub struct Prepared<'a> {
     /// The updates that were made and saved before.
     pub(super) saved: Option<Checkpoint>,
     rewards: Rewards,
-    ted: Option<TedDiscount>,
     kept: Kept,
     discounted: Discounted,
 }
@@ -56,11 +54,9 @@ impl<'a> Prepared<'a> {
         };
         let clock = Clock::start(folder, Phase::Reward);
         let rewards = rewards::rewards(work, teacher)?;
-        let returns_hat = rewards.labels.episode_returns(dataset);
 
         // Phase 3: which transitions the policy is learned from, and a discount for each.
-        let kept = config.filter.kept(dataset, &returns_hat)?;
-        let ted = config.discount.lookup(&returns_hat)?;
+        let kept = config.filter.kept(dataset, &rewards.labels.returns_hat)?;
         let discounted = config.discount.apply(dataset, &rewards.labels)?;
         let saved = folder.newest_checkpoint(config, audience);
         // Where updates were made before, all of this was done before too, and is only done again.
@@ -73,7 +69,6 @@ impl<'a> Prepared<'a> {
             folder,
             saved,
             rewards,
-            ted,
             kept,
             discounted,
         })
@@ -92,7 +87,7 @@ impl<'a> Prepared<'a> {
             config: self.config.clone(),
             policy,
             rewards: self.rewards,
-            ted: self.ted,
+            ted: self.discounted.lookup,
         };
         run.artefact(self.dataset)?.write(self.folder)?;
         Ok(Finished::Artefact(self.folder.artefact_path()))
@@ -105,7 +100,9 @@ impl<'a> Prepared<'a> {
 
     /// What the policy is learned from.
     pub(super) fn replay(&self) -> Replay<'a> {
-        let Discounted { rewards, discounts } = self.discounted.clone();
+        let Discounted {
+            rewards, discounts, ..
+        } = self.discounted.clone();
         Replay::new(self.dataset, rewards, discounts)
             .seen(self.config.observations)
             .keep(self.kept.clone())

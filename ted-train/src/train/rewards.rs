@@ -116,9 +116,9 @@ fn label(
         }
     };
     let labels = if work.config.unit_rewards {
-        Labels::unit(raw)
+        Labels::unit(work.dataset, raw)
     } else {
-        Labels::raw(raw)
+        Labels::raw(work.dataset, raw)
     };
     let preferences_digest = facts
         .preferences_digest
