@@ -25,6 +25,7 @@ use self::bc::{Bc, BcConfig};
 use self::iql::{Iql, IqlConfig};
 use self::oppo::{Oppo, OppoConfig};
 use self::transitions::OfTransitions;
+use crate::dataset::Clip;
 use crate::nn::Backend;
 use crate::reward::RandomQueries;
 use crate::rng::Seed;
@@ -99,7 +100,7 @@ impl AlgorithmConfig {
         match self {
             Self::Oppo(config) => Some(RandomQueries {
                 queries: config.queries,
-                segment: config.segment,
+                clip: Clip::Steps(config.segment),
             }),
             Self::Iql(_) | Self::Atac(_) | Self::Awr(_) | Self::Bc(_) => None,
         }

@@ -334,6 +334,7 @@ impl ValueEnum for Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::Clip;
     use crate::nn::Adam;
 
     #[test]
@@ -392,6 +393,7 @@ mod tests {
             panic!("{reward:?}");
         };
         assert_eq!((oprl.members, oprl.rounds, oprl.queries()), (7, 3, 10));
-        assert_eq!((oprl.segment, oprl.pool, oprl.adam), (50, 1000, adam));
+        assert_eq!(oprl.segment, Clip::Steps(50));
+        assert_eq!((oprl.pool, oprl.adam), (1000, adam));
     }
 }

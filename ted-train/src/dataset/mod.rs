@@ -7,6 +7,7 @@
 //! A *termination* ends the task and stops the bootstrap; a *truncation* is only the end of the recording. They are never merged.
 
 mod assemble;
+mod clip;
 mod digest;
 mod error;
 #[cfg(test)]
@@ -17,6 +18,7 @@ mod record;
 mod segment;
 mod statistics;
 
+pub use clip::Clip;
 pub use error::DatasetError;
 pub use in_memory::{Dataset, Episode};
 pub use record::{EpisodeRecord, InfoColumn, Shape};

@@ -1,6 +1,6 @@
 //! Segments: runs of consecutive steps inside one episode, by construction.
 
-use super::Dataset;
+use super::{Clip, Dataset};
 use rand::{Rng, RngExt};
 use std::ops::Range;
 
@@ -38,6 +38,17 @@ pub enum SegmentError {
     /// A segment without steps.
     #[error("a segment needs at least one step")]
     Empty,
+    /// Whole episodes where segments must be as long as each other.
+    #[error(
+        "episodes have {shortest} to {longest} steps, and this reward compares segments of one length only; \
+         ask for a number of steps"
+    )]
+    Unequal {
+        /// Steps of the shortest.
+        shortest: u32,
+        /// Steps of the longest.
+        longest: u32,
+    },
     /// An episode that cannot hold one segment.
     #[error(
         "episode {episode} has {len} steps, fewer than the {segment} of a segment; \
@@ -123,40 +134,59 @@ impl Segment {
     }
 }
 
-/// Draws segments of one length, uniformly over all valid (episode, start).
+/// Draws segments of one kind, uniformly over all valid (episode, start).
 #[derive(Clone, Debug)]
 pub struct SegmentSampler {
-    len: u32,
+    /// Steps of a segment of each episode.
+    lens: Vec<u32>,
     /// For every episode, how many starts there are in it and all before it.
     starts_up_to: Vec<u64>,
 }
 
 impl SegmentSampler {
-    /// A sampler for segments of `len` steps; refused when an episode cannot hold one.
-    pub fn new(dataset: &Dataset, len: u32) -> Result<Self, SegmentError> {
-        if len == 0 {
-            return Err(SegmentError::Empty);
-        }
+    /// A sampler for such segments; refused when an episode cannot hold one.
+    ///
+    /// # Errors
+    /// When an episode has fewer steps, or a segment would have none.
+    pub fn new(dataset: &Dataset, clip: Clip) -> Result<Self, SegmentError> {
         let mut starts = 0;
-        let starts_up_to = dataset
-            .episodes()
-            .iter()
-            .enumerate()
-            .map(
-                |(index, episode)| match (episode.len as u64).checked_sub(u64::from(len)) {
-                    Some(last_start) => {
-                        starts += last_start + 1;
-                        Ok(starts)
-                    }
-                    None => Err(SegmentError::EpisodeTooShort {
-                        episode: index as u32,
-                        len: episode.len,
-                        segment: len,
-                    }),
-                },
-            )
-            .collect::<Result<_, _>>()?;
-        Ok(Self { len, starts_up_to })
+        let episodes = dataset.episodes().iter().enumerate();
+        let each = episodes.map(|(index, episode)| {
+            let len = match clip {
+                Clip::Steps(0) => return Err(SegmentError::Empty),
+                Clip::Steps(steps) => steps,
+                // No dataset has more than 2^32 observations: `dataset::assemble` refuses it.
+                Clip::Episode => episode.len as u32,
+            };
+            match (episode.len as u64).checked_sub(u64::from(len)) {
+                Some(last_start) => {
+                    starts += last_start + 1;
+                    Ok((len, starts))
+                }
+                None => Err(SegmentError::EpisodeTooShort {
+                    episode: index as u32,
+                    len: episode.len,
+                    segment: len,
+                }),
+            }
+        });
+        let (lens, starts_up_to) = each.collect::<Result<_, _>>()?;
+        Ok(Self { lens, starts_up_to })
+    }
+
+    /// The same for a model that compares only segments as long as each other.
+    ///
+    /// # Errors
+    /// When [`Self::new`] does, or segments would have different lengths.
+    pub fn of_one_length(dataset: &Dataset, clip: Clip) -> Result<Self, SegmentError> {
+        let sampler = Self::new(dataset, clip)?;
+        let lens = || sampler.lens.iter().copied();
+        match (lens().min(), lens().max()) {
+            (Some(shortest), Some(longest)) if shortest != longest => {
+                Err(SegmentError::Unequal { shortest, longest })
+            }
+            _ => Ok(sampler),
+        }
     }
 
     /// How many segments there are to draw from.
@@ -178,7 +208,7 @@ impl SegmentSampler {
         Segment {
             episode: episode as u32,
             start: (index - before) as u32,
-            len: self.len,
+            len: self.lens[episode],
         }
     }
 }
@@ -224,7 +254,7 @@ mod tests {
     #[test]
     fn every_valid_segment_is_numbered_once() {
         let dataset = dataset(&[5, 9, 5]);
-        let sampler = SegmentSampler::new(&dataset, 5).unwrap();
+        let sampler = SegmentSampler::new(&dataset, Clip::Steps(5)).unwrap();
         assert_eq!(sampler.count(), 7);
         let all: Vec<_> = (0..7)
             .map(|index| sampler.nth(index))
@@ -239,7 +269,7 @@ mod tests {
     #[test]
     fn draws_are_uniform_over_starts_and_not_over_episodes() {
         let dataset = dataset(&[5, 9, 5]);
-        let sampler = SegmentSampler::new(&dataset, 5).unwrap();
+        let sampler = SegmentSampler::new(&dataset, Clip::Steps(5)).unwrap();
         let mut rng = Seed::root(1).rng();
         let in_the_long_one = (0..7_000)
             .filter(|_| sampler.sample(&mut rng).episode() == 1)
@@ -252,7 +282,7 @@ mod tests {
 
     #[test]
     fn an_episode_shorter_than_a_segment_is_named() {
-        let error = SegmentSampler::new(&dataset(&[10, 3]), 5).unwrap_err();
+        let error = SegmentSampler::new(&dataset(&[10, 3]), Clip::Steps(5)).unwrap_err();
         assert_eq!(
             error,
             SegmentError::EpisodeTooShort {
@@ -261,6 +291,34 @@ mod tests {
                 segment: 5
             }
         );
+    }
+
+    #[test]
+    fn whole_episodes_are_drawn_evenly_however_long_they_are() {
+        let dataset = dataset(&[5, 9, 1]);
+        let sampler = SegmentSampler::new(&dataset, Clip::Episode).unwrap();
+        assert_eq!(sampler.count(), 3);
+        let all: Vec<_> = (0..3)
+            .map(|index| sampler.nth(index).steps(&dataset))
+            .collect();
+        assert_eq!(all, [0..5, 5..14, 14..15]);
+        let mut rng = Seed::root(1).rng();
+        let shortest = (0..3_000)
+            .filter(|_| sampler.sample(&mut rng).len() == 1)
+            .count();
+        assert!((900..1_100).contains(&shortest), "{shortest} of 3000");
+    }
+
+    #[test]
+    fn whole_episodes_of_different_lengths_are_refused_where_lengths_must_be_equal() {
+        let of =
+            |lengths: &[usize]| SegmentSampler::of_one_length(&dataset(lengths), Clip::Episode);
+        assert_eq!(of(&[4, 4]).unwrap().count(), 2);
+        let (shortest, longest) = (3, 9);
+        let refused = of(&[5, 9, 3]).unwrap_err();
+        assert_eq!(refused, SegmentError::Unequal { shortest, longest });
+        let steps = SegmentSampler::of_one_length(&dataset(&[5, 9]), Clip::Steps(5));
+        assert_eq!(steps.unwrap().count(), 6);
     }
 
     #[test]

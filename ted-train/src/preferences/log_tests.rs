@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
-use crate::dataset::{Segment, SegmentSampler};
+use crate::dataset::{Clip, Segment, SegmentSampler};
 use crate::preferences::{Recovered, ReplayTeacher, ScriptedTeacher};
 use crate::rng::Seed;
 use std::fs;
@@ -14,7 +14,7 @@ fn dataset() -> Dataset {
 
 /// Seven questions of single members and three that are shared, as the reward ensemble asks them; the fourth is a tie.
 fn questions(dataset: &Dataset) -> Vec<(Context, Query)> {
-    let sampler = SegmentSampler::new(dataset, 5).unwrap();
+    let sampler = SegmentSampler::new(dataset, Clip::Steps(5)).unwrap();
     let mut rng = Seed::root(4).rng();
     (0_u32..10)
         .map(|index| {

@@ -28,14 +28,14 @@ impl QueryStrategy for RandomPair {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::Dataset;
     use crate::dataset::fixtures::{SHAPE, records};
+    use crate::dataset::{Clip, Dataset};
     use crate::rng::Seed;
 
     #[test]
     fn two_different_segments_are_asked_about_even_when_there_are_only_two() {
         let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records(&[9, 9])).unwrap();
-        let whole = SegmentSampler::new(&dataset, 9).unwrap();
+        let whole = SegmentSampler::new(&dataset, Clip::Episode).unwrap();
         let mut rng = Seed::root(0).rng();
         for _ in 0..100 {
             let [first, second] = RandomPair.choose(&whole, &mut rng);

@@ -1,6 +1,6 @@
 //! Questions about random pairs, all asked before anything is learned.
 
-use crate::dataset::{Dataset, SegmentSampler};
+use crate::dataset::{Clip, Dataset, SegmentSampler};
 use crate::preferences::{Context, Interview, LabelledPair, QueryStrategy, RandomPair};
 use crate::rng::Seed;
 
@@ -11,8 +11,8 @@ use super::LearnError;
 pub struct RandomQueries {
     /// Questions.
     pub queries: usize,
-    /// Steps of a segment.
-    pub segment: u32,
+    /// What is shown of an episode.
+    pub clip: Clip,
 }
 
 impl RandomQueries {
@@ -21,12 +21,12 @@ impl RandomQueries {
     /// # Errors
     /// When an episode is too short for one.
     pub fn check(self, dataset: &Dataset) -> Result<(), LearnError> {
-        SegmentSampler::new(dataset, self.segment)?;
+        SegmentSampler::new(dataset, self.clip)?;
         Ok(())
     }
 
-    /// Asks, each question being from the stream `seed/query/<number>`: with the same seed, whoever asks about segments as
-    /// long asks the same.
+    /// Asks, each question being from the stream `seed/query/<number>`: with the same seed, whoever asks about the same clips
+    /// asks the same.
     ///
     /// # Errors
     /// When [`Self::check`] does, or an answer cannot be had or kept.
@@ -36,7 +36,7 @@ impl RandomQueries {
         interview: &mut Interview<'_>,
         seed: Seed,
     ) -> Result<Vec<LabelledPair>, LearnError> {
-        let sampler = SegmentSampler::new(dataset, self.segment)?;
+        let sampler = SegmentSampler::new(dataset, self.clip)?;
         let context = Context {
             round: 0,
             member: None,
@@ -67,7 +67,7 @@ mod tests {
             let mut interview = Interview::new(&dataset, teacher, log);
             let questions = RandomQueries {
                 queries: 10,
-                segment: 4,
+                clip: Clip::Steps(4),
             };
             let pairs = questions.ask(&dataset, &mut interview, Seed::root(3));
             let digest = interview.digest().unwrap();

@@ -360,6 +360,15 @@ mod tests {
     }
 
     #[test]
+    fn the_published_scores_are_written_as_they_are_read() {
+        let scores = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/methods.jsonl");
+        for line in std::fs::read_to_string(scores).unwrap().lines() {
+            let score: PolicyScore = serde_json::from_str(line).unwrap();
+            assert_eq!(serde_json::to_string(&score).unwrap(), line);
+        }
+    }
+
+    #[test]
     fn a_study_with_other_settings_is_refused_where_a_run_was_begun() {
         let out = tempfile::tempdir().unwrap();
         let nowhere = Path::new("/nowhere");

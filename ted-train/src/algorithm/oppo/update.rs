@@ -4,7 +4,7 @@ use burn::tensor::{Tensor, TensorData};
 use rand::Rng;
 use serde::Serialize;
 
-use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
+use crate::dataset::{Clip, Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::transformer::Dropout;
 use crate::nn::{AdamWState, Backend};
 use crate::preferences::LabelledPair;
@@ -79,7 +79,7 @@ impl Oppo {
         let scaling = InputScaling::Standard { floor: 1e-3 };
         let [shift, scale] = scaling.shift_and_scale(&dataset.observation_statistics());
         Ok(Self {
-            sampler: SegmentSampler::new(dataset, config.segment)?,
+            sampler: SegmentSampler::new(dataset, Clip::Steps(config.segment))?,
             encoder_adam: AdamWState::new(encoder.tensors()),
             policy_adam: AdamWState::new(policy.tensors()),
             latent_adam: AdamWState::new(vec![&mut latent]),

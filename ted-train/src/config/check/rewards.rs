@@ -2,6 +2,7 @@
 
 use crate::config::ConfigError;
 use crate::config::ranges::{Table, as_written};
+use crate::dataset::Clip;
 use crate::nn::WarmupCosine;
 use crate::reward::oprl::OprlConfig;
 use crate::reward::transformer::PtConfig;
@@ -27,7 +28,9 @@ fn oprl(config: &OprlConfig) -> Result<(), ConfigError> {
     let members = config.members;
     let holds = (1..=ted_core::MAX_MEMBERS).contains(&members);
     REWARD.within("members", members as f64, holds, "1 to 8")?;
-    REWARD.at_least_one("segment", config.segment.into())?;
+    if let Clip::Steps(steps) = config.segment {
+        REWARD.at_least_one("segment", steps.into())?;
+    }
     REWARD.at_least_one("pool", config.pool as f64)?;
     REWARD.positive("learning_rate", config.learning_rate)?;
     scaling(config.scaling)?;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::dataset::Clip;
 use crate::nn::{Activation, Adam, Initialiser};
 use crate::reward::{InputScaling, RewardInputs};
 
@@ -13,8 +14,8 @@ pub struct OprlConfig {
     pub members: usize,
     /// Rounds after that; each asks one query that all members share.
     pub rounds: u32,
-    /// Steps of a segment, H.
-    pub segment: u32,
+    /// What a segment is: steps, H, or whole episodes where all have the same length.
+    pub segment: Clip,
     /// Random pairs of segments among which a round looks for the largest disagreement.
     pub pool: usize,
     /// What the networks see.
@@ -42,7 +43,7 @@ impl Default for OprlConfig {
         Self {
             members: 7,
             rounds: 3,
-            segment: 50,
+            segment: Clip::Steps(50),
             pool: 1000,
             inputs: RewardInputs::ObservationAction,
             scaling: InputScaling::Standard { floor: 0.05 },

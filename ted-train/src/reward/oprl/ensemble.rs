@@ -44,8 +44,9 @@ impl Ensemble {
         }
     }
 
-    /// Full-batch training on the pairs of each member, all members having equally many; a new Adam each time. After each
-    /// epoch `going_on` is asked; when it says no, there is no fit and the ensemble is of no use.
+    /// Full-batch training on the pairs of each member, all members having equally many and all segments the same length; a
+    /// new Adam each time. After each epoch `going_on` is asked; when it says no, there is no fit and the ensemble is of no
+    /// use.
     pub fn train(
         &mut self,
         dataset: &Dataset,
@@ -54,7 +55,7 @@ impl Ensemble {
     ) -> Option<Fit> {
         let device = self.backend.device();
         let (members, count) = (pairs.len(), pairs[0].len());
-        let segment = self.config.segment as usize;
+        let segment = pairs[0][0].segments[0].len() as usize;
         let mut rows = Vec::with_capacity(members * count * 2 * segment * self.inputs.width());
         let mut labels = Vec::with_capacity(members * count);
         for pair in pairs.iter().flatten() {
@@ -118,7 +119,7 @@ impl Ensemble {
         }
     }
 
-    /// Return of each segment as each member sees it: `[member][segment]`.
+    /// Return of each segment as each member sees it, `[member][segment]`; all segments have the same length.
     #[must_use]
     pub fn segment_returns(&self, dataset: &Dataset, segments: &[Segment]) -> Vec<Vec<f32>> {
         /// Segments in one forward pass: large enough to be efficient, small enough to stay in cache.

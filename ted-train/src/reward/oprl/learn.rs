@@ -22,13 +22,13 @@ pub struct Trained {
 /// Asks the first question of each member.
 ///
 /// # Errors
-/// When the dataset has no segment that long, or an answer cannot be had or kept.
+/// When the dataset has no such segments, all of one length, or an answer cannot be had or kept.
 pub fn ask(
     config: &OprlConfig,
     on: Material<'_>,
     interview: &mut Interview<'_>,
 ) -> Result<Vec<LabelledPair>, LearnError> {
-    let sampler = SegmentSampler::new(on.dataset, config.segment)?;
+    let sampler = SegmentSampler::of_one_length(on.dataset, config.segment)?;
     let ask = |member| {
         let mut rng = on.seed.child(&format!("query/member/{member}")).rng();
         let context = Context {
@@ -44,8 +44,8 @@ pub fn ask(
 /// Learns a reward ensemble from an answer for each member, and from one more in each round.
 ///
 /// # Errors
-/// When the dataset has no segment that long, an answer cannot be had or kept, a loss is not finite, or somebody asks to
-/// stop.
+/// When the dataset has no such segments, all of one length, an answer cannot be had or kept, a loss is not finite, or
+/// somebody asks to stop.
 pub fn train(
     config: &OprlConfig,
     own: &[LabelledPair],
@@ -53,7 +53,7 @@ pub fn train(
     interview: &mut Interview<'_>,
 ) -> Result<Trained, LearnError> {
     let (dataset, seed) = (on.dataset, on.seed);
-    let sampler = SegmentSampler::new(dataset, config.segment)?;
+    let sampler = SegmentSampler::of_one_length(dataset, config.segment)?;
     let mut ensemble = Ensemble::new(
         config,
         &dataset.observation_statistics(),
@@ -101,14 +101,14 @@ pub fn train(
 /// Measures the ensemble's mean return on random pairs, against true returns.
 ///
 /// # Errors
-/// When the dataset has no segment of the configured length.
+/// When the dataset has no such segments, all of one length.
 pub fn held_out_agreement(
     config: &OprlConfig,
     ensemble: &Ensemble,
     dataset: &Dataset,
     seed: Seed,
 ) -> Result<HeldOut, SegmentError> {
-    let sampler = SegmentSampler::new(dataset, config.segment)?;
+    let sampler = SegmentSampler::of_one_length(dataset, config.segment)?;
     let order = |pairs: &[[Segment; 2]]| {
         let returns = ensemble.segment_returns(dataset, pairs.as_flattened());
         let mean = |segment: usize| {

@@ -9,7 +9,7 @@ use super::learn::{ask, held_out_agreement, train};
 
 impl RewardLearner for OprlConfig {
     fn check(&self, dataset: &Dataset) -> Result<(), LearnError> {
-        SegmentSampler::new(dataset, self.segment)?;
+        SegmentSampler::of_one_length(dataset, self.segment)?;
         Ok(())
     }
 

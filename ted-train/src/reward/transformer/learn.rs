@@ -2,7 +2,7 @@
 
 use firmware_sim::interrupt;
 
-use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
+use crate::dataset::{Clip, Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::transformer::Dropout;
 use crate::preferences::LabelledPair;
 use crate::reward::{Fit, HeldOut, LearnError, Material, Save, Saved};
@@ -95,7 +95,7 @@ pub fn held_out_agreement(
 ) -> Result<HeldOut, SegmentError> {
     /// Pairs in one forward pass.
     const CHUNK: usize = 20;
-    let sampler = SegmentSampler::new(dataset, config.segment)?;
+    let sampler = SegmentSampler::new(dataset, Clip::Steps(config.segment))?;
     let order = |pairs: &[[Segment; 2]]| {
         let second_first = pairs.chunks(CHUNK).flat_map(|pairs| {
             let clips = pair_clips(transformer, dataset, pairs);

@@ -1,6 +1,6 @@
 //! The Preference Transformer as a run sees it.
 
-use crate::dataset::Dataset;
+use crate::dataset::{Clip, Dataset};
 use crate::preferences::{Interview, LabelledPair};
 use crate::reward::{
     LearnError, Learned, Material, RandomQueries, RewardLearner, RewardModel, Save, Saved,
@@ -57,7 +57,7 @@ impl PtConfig {
     fn questions(&self) -> RandomQueries {
         RandomQueries {
             queries: self.queries,
-            segment: self.segment,
+            clip: Clip::Steps(self.segment),
         }
     }
 

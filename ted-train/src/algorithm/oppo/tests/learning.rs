@@ -3,7 +3,7 @@
 use crate::algorithm::oppo::{Oppo, OppoConfig, Player};
 use crate::algorithm::{AlgorithmConfig, Learner, Policy, Replay};
 use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
-use crate::dataset::{Dataset, SegmentSampler};
+use crate::dataset::{Clip, Dataset, SegmentSampler};
 use crate::nn::Backend;
 use crate::nn::fixtures::numbers;
 use crate::preferences::LabelledPair;
@@ -13,7 +13,7 @@ use super::{SEGMENT, config, dataset};
 
 /// Ten answers of somebody who prefers larger returns, or smaller ones.
 fn answers(dataset: &Dataset, larger: bool) -> Vec<LabelledPair> {
-    let sampler = SegmentSampler::new(dataset, SEGMENT).unwrap();
+    let sampler = SegmentSampler::new(dataset, Clip::Steps(SEGMENT)).unwrap();
     let mut rng = Seed::root(4).rng();
     let mut ask = |_| {
         let segments = [(); 2].map(|()| sampler.sample(&mut rng));

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use firmware_sim::progress::Audience;
 
-use crate::dataset::{Dataset, EpisodeRecord, Shape};
+use crate::dataset::{Clip, Dataset, EpisodeRecord, Shape};
 use crate::nn::fixtures::numbers;
 use crate::nn::{Activation, Backend};
 use crate::preferences::{Interview, LogEntry, PreferenceLog, Teacher};
@@ -50,7 +50,7 @@ fn episode(index: u64) -> EpisodeRecord {
 
 fn config() -> OprlConfig {
     OprlConfig {
-        segment: SEGMENT,
+        segment: Clip::Steps(SEGMENT),
         pool: 40,
         hidden: vec![8],
         output: Activation::Linear,

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 
-use crate::dataset::{Dataset, Segment, SegmentSampler};
+use crate::dataset::{Clip, Dataset, Segment, SegmentSampler, fixtures};
 use crate::nn::Backend;
 use crate::nn::fixtures::tensor;
 use crate::nn::{Activation, Linear, Mlp};
@@ -10,6 +10,7 @@ use crate::preferences::{
     Answer, Context, PreferenceError, Query, QueryStrategy, RandomPair, ReplayTeacher,
     ScriptedTeacher, Teacher,
 };
+use crate::reward::RewardLearner;
 use crate::reward::oprl::{Ensemble, MostDisputed, OprlConfig};
 use crate::rng::Seed;
 
@@ -66,7 +67,7 @@ fn dispute(dataset: &Dataset, likes: &[[f32; 3]], pair: &[Segment; 2]) -> f64 {
 #[test]
 fn the_question_is_one_with_the_largest_dispute_of_the_pool() {
     let dataset = dataset();
-    let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
+    let sampler = SegmentSampler::new(&dataset, Clip::Steps(SEGMENT)).unwrap();
     let likes = [
         [1.0, 0.0, 0.0],
         [0.9, 0.3, 0.0],
@@ -98,7 +99,7 @@ fn the_question_is_one_with_the_largest_dispute_of_the_pool() {
 #[test]
 fn among_equals_the_stream_draws() {
     let dataset = dataset();
-    let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
+    let sampler = SegmentSampler::new(&dataset, Clip::Steps(SEGMENT)).unwrap();
     // One member never disagrees with itself: all pairs tie.
     let ensemble = linear(&dataset, &[[1.0, 0.0, 0.0]]);
     let place = |seed: u64| {
@@ -158,6 +159,29 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
     });
     assert_eq!(contexts, own.chain(shared).collect::<Vec<_>>());
     assert_eq!(learned.fits.len(), 4);
+}
+
+#[test]
+fn whole_episodes_are_asked_about_and_learned_from_where_all_are_as_long_as_each_other() {
+    let dataset = dataset();
+    let folder = tempfile::tempdir().unwrap();
+    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let config = OprlConfig {
+        segment: Clip::Episode,
+        ..config()
+    };
+    config.check(&dataset).unwrap();
+    let log = folder.path().join("log.jsonl");
+    let seed = Seed::root(2);
+    let (learned, entries) = learn(&config, &dataset, &mut teacher, &log, seed, Backend::Flex);
+    let mut segments = entries.iter().flat_map(|entry| entry.query.segments);
+    assert!(segments.all(|it| (it.start(), it.len()) == (0, 9)));
+    assert!(learned.fits.iter().all(|fit| fit.loss.is_finite()));
+
+    let unequal = fixtures::records(&[9, 8]);
+    let unequal = Dataset::from_records("ted/x-v0", fixtures::SHAPE, &unequal).unwrap();
+    let refused = config.check(&unequal).unwrap_err().to_string();
+    assert!(refused.contains("episodes have 8 to 9 steps"), "{refused}");
 }
 
 #[test]

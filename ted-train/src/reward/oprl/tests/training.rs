@@ -1,6 +1,6 @@
 //! What training does to the ensemble, and that the controller's core computes the same rewards.
 
-use crate::dataset::{Segment, SegmentSampler};
+use crate::dataset::{Clip, Segment, SegmentSampler};
 use crate::nn::fixtures::{BACKENDS, assert_close, tensor, values, wide};
 use crate::nn::scalar::ScalarMlp;
 use crate::preferences::{LabelledPair, QueryStrategy, RandomPair, ScriptedTeacher};
@@ -42,7 +42,7 @@ fn with_many_answers_the_ensemble_orders_segments_that_nobody_was_asked_about() 
 #[test]
 fn an_equal_answer_pulls_the_two_returns_together() {
     let dataset = dataset();
-    let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
+    let sampler = SegmentSampler::new(&dataset, Clip::Steps(SEGMENT)).unwrap();
     let mut rng = Seed::root(4).rng();
     let segments = RandomPair.choose(&sampler, &mut rng);
     for backend in BACKENDS {
@@ -66,7 +66,7 @@ fn an_equal_answer_pulls_the_two_returns_together() {
 fn returns_of_segments_are_sums_over_their_steps_for_each_member() {
     let dataset = dataset();
     // More segments than one forward pass takes.
-    let sampler = SegmentSampler::new(&dataset, SEGMENT).unwrap();
+    let sampler = SegmentSampler::new(&dataset, Clip::Steps(SEGMENT)).unwrap();
     let mut rng = Seed::root(5).rng();
     let segments: Vec<Segment> = (0..70).map(|_| sampler.sample(&mut rng)).collect();
     for backend in BACKENDS {
