@@ -96,7 +96,9 @@ impl Ends for TrainError {
             Self::Write(error) => error.exit_code(),
             Self::Learn(LearnError::Preference(error)) => error.exit_code(),
             Self::Learn(LearnError::Save(error)) => error.exit_code(),
-            Self::Learn(LearnError::Segment(_) | LearnError::Foreign(_))
+            Self::Learn(
+                LearnError::Segment(_) | LearnError::TooFewEpisodes | LearnError::Foreign(_),
+            )
             | Self::Transport(_)
             | Self::Filter(_)
             | Self::Discount(_)

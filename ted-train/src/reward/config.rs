@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::episodes::EpisodesConfig;
 use super::oprl::OprlConfig;
 use super::transformer::PtConfig;
 use super::transport::TransportConfig;
@@ -27,6 +28,8 @@ pub enum RewardConfig {
     Transformer(PtConfig),
     /// What it costs to carry an episode to those of the highest true returns (OTR).
     Transport(TransportConfig),
+    /// A Bayesian model of whole episodes, learned from preferences.
+    Episodes(EpisodesConfig),
 }
 
 /// How a run comes to its rewards.
@@ -49,6 +52,7 @@ impl RewardConfig {
             Self::Transport(config) => Source::Computed(Computed::Transport(config)),
             Self::Oprl(config) => Source::Learned(config),
             Self::Transformer(config) => Source::Learned(config),
+            Self::Episodes(config) => Source::Learned(config),
         }
     }
 

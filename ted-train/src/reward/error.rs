@@ -12,6 +12,11 @@ pub enum LearnError {
     /// The dataset has no segment of the length asked for.
     #[error(transparent)]
     Segment(#[from] SegmentError),
+    /// There is nothing to compare.
+    #[error(
+        "the dataset has fewer than two episodes, so there is nothing to compare: collect more"
+    )]
+    TooFewEpisodes,
     /// An answer could not be had or kept.
     #[error(transparent)]
     Preference(#[from] PreferenceError),

@@ -9,6 +9,7 @@
 
 mod computed;
 mod config;
+pub mod episodes;
 mod error;
 mod exported;
 mod fit;

@@ -6,6 +6,7 @@ use ted_core::{RewardRange, ShapeError};
 
 use crate::dataset::Dataset;
 
+use super::episodes::{Confidence, EpisodeModel};
 use super::{ExportedEnsemble, ensemble_labels};
 
 /// What a learned source of rewards leaves.
@@ -15,6 +16,8 @@ pub enum RewardModel {
     Ensemble(ExportedEnsemble),
     /// The raw rewards of the dataset's transitions, by a model that no controller has room for.
     Labels(Vec<f32>),
+    /// A model of whole episodes, with a network that a controller can compute.
+    Episodes(EpisodeModel),
 }
 
 impl RewardModel {
@@ -23,16 +26,16 @@ impl RewardModel {
     /// # Errors
     /// When a network is larger than the controller's limits, or of another shape than the dataset.
     pub fn raw_rewards(&self, dataset: &Dataset) -> Result<Vec<f32>, ShapeError> {
-        match self {
-            Self::Ensemble(ensemble) => {
-                let range = RewardRange {
-                    low: 0.0,
-                    high: 1.0,
-                };
-                ensemble_labels(dataset, &ensemble.view(range)?)
-            }
-            Self::Labels(raw) => Ok(raw.clone()),
-        }
+        let ensemble = match self {
+            Self::Ensemble(ensemble) => ensemble,
+            Self::Episodes(model) => &model.network,
+            Self::Labels(raw) => return Ok(raw.clone()),
+        };
+        let range = RewardRange {
+            low: 0.0,
+            high: 1.0,
+        };
+        ensemble_labels(dataset, &ensemble.view(range)?)
     }
 
     /// What a controller can compute of it.
@@ -40,7 +43,17 @@ impl RewardModel {
     pub fn ensemble(&self) -> Option<&ExportedEnsemble> {
         match self {
             Self::Ensemble(ensemble) => Some(ensemble),
+            Self::Episodes(model) => Some(&model.network),
             Self::Labels(_) => None,
+        }
+    }
+
+    /// How sure it is that its best episodes are better than the logs; none of a model that cannot tell.
+    #[must_use]
+    pub fn confidence(&self) -> Option<&Confidence> {
+        match self {
+            Self::Episodes(model) => Some(&model.confidence),
+            Self::Ensemble(_) | Self::Labels(_) => None,
         }
     }
 }

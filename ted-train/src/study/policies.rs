@@ -307,6 +307,7 @@ mod tests {
             low: 0.0,
             high: 1.0,
             quality: None,
+            confidence: None,
         };
         folder.write_json("reward.json", &reward).unwrap();
         let evaluation = Evaluation {

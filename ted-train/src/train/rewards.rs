@@ -6,6 +6,7 @@ use ted_policy::Digest;
 use crate::algorithm::metrics;
 use crate::export::ExportError;
 use crate::preferences::{LabelledPair, Teacher};
+use crate::reward::episodes::Confidence;
 use crate::reward::quality::RewardQuality;
 use crate::reward::{Fit, HeldOut, Labels, RewardLearner, RewardModel, Source};
 use crate::run::EventWriter;
@@ -32,6 +33,9 @@ pub struct RewardReport {
     pub high: f32,
     /// Agreement with the true rewards over the dataset; none where there is no reward.
     pub quality: Option<RewardQuality>,
+    /// How sure it is that its best episodes are better than the logs; none of a reward that cannot tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Confidence>,
 }
 
 pub(super) struct Rewards {
@@ -62,6 +66,7 @@ pub(super) fn rewards(work: Work<'_>, teacher: &mut dyn Teacher) -> Result<Rewar
         low: rewards.labels.range.low,
         high: rewards.labels.range.high,
         quality: there_is_one.then(|| RewardQuality::measure(work.dataset, &rewards.labels)),
+        confidence: (rewards.model.as_ref()).and_then(|model| model.confidence().cloned()),
     };
     work.folder.write_json("reward.json", &report)?;
     if let Some(quality) = report.quality.as_ref().filter(|_| report.queries > 0) {

@@ -4,6 +4,7 @@ use crate::config::ConfigError;
 use crate::config::ranges::{Table, as_written};
 use crate::dataset::Clip;
 use crate::nn::WarmupCosine;
+use crate::reward::episodes::{EpisodesConfig, Fitting};
 use crate::reward::oprl::OprlConfig;
 use crate::reward::transformer::PtConfig;
 use crate::reward::transport::TransportConfig;
@@ -21,6 +22,7 @@ pub(super) fn reward(config: &RewardConfig) -> Result<(), ConfigError> {
         RewardConfig::Oprl(config) => oprl(config),
         RewardConfig::Transformer(config) => transformer(config),
         RewardConfig::Transport(config) => transport(config),
+        RewardConfig::Episodes(config) => episodes(config),
     }
 }
 
@@ -66,6 +68,33 @@ fn transport(config: &TransportConfig) -> Result<(), ConfigError> {
     REWARD.at_least_one("iterations", config.iterations.into())?;
     REWARD.positive("alpha", config.alpha)?;
     REWARD.positive("beta", config.beta)
+}
+
+fn episodes(config: &EpisodesConfig) -> Result<(), ConfigError> {
+    REWARD.at_least_one("directions", config.directions as f64)?;
+    REWARD.at_least_one("block", config.block as f64)?;
+    let mean = config.competence;
+    REWARD.within("competence", mean, mean.is_finite(), "in (-inf, inf)")?;
+    REWARD.not_negative("competence_std", config.competence_std)?;
+    REWARD.not_negative("direction_std", config.direction_std)?;
+    REWARD.positive("clip", config.clip)?;
+    REWARD.positive("slope", config.slope)?;
+    REWARD.below_one("lapse", config.lapse)?;
+    REWARD.at_least_one("pool", config.pool as f64)?;
+    REWARD.at_least_one("candidates", config.candidates as f64)?;
+    REWARD.at_least_one("samples", config.samples as f64)?;
+    REWARD.at_least_one("thinning", config.thinning as f64)?;
+    REWARD.share("sure", config.sure)?;
+    fitting(&config.clone)?;
+    fitting(&config.network)
+}
+
+fn fitting(config: &Fitting) -> Result<(), ConfigError> {
+    REWARD.at_least_one("steps", config.steps as f64)?;
+    REWARD.at_least_one("batch", config.batch as f64)?;
+    REWARD.positive("learning_rate", config.learning_rate)?;
+    REWARD.adam("adam", config.adam)?;
+    REWARD.widths("hidden", &config.hidden)
 }
 
 fn scaling(scaling: InputScaling) -> Result<(), ConfigError> {
