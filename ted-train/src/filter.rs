@@ -113,6 +113,15 @@ impl Kept {
         }
     }
 
+    /// Whether this step of the dataset is one of them.
+    #[must_use]
+    pub fn holds(&self, step: usize) -> bool {
+        match &self.0 {
+            Steps::All(count) => step < *count,
+            Steps::These(steps) => steps.binary_search_by_key(&step, |&s| s as usize).is_ok(),
+        }
+    }
+
     /// The step in the dataset of the `index`-th of them; `index` is below [`Self::count`].
     #[must_use]
     pub fn step(&self, index: usize) -> usize {

@@ -15,6 +15,8 @@ pub struct Batch {
     pub discounts: Vec<f32>,
     /// Which step of the dataset each row is `[lane, batch]`, for a learner that keeps a number for each.
     pub transitions: Vec<u32>,
+    /// How good the episode of each row is `[lane, batch]`; nothing, unless what it was drawn from is conditioned.
+    pub conditions: Vec<f32>,
 }
 
 impl Batch {
@@ -30,6 +32,7 @@ impl Batch {
             all.rewards.extend(lane.rewards);
             all.discounts.extend(lane.discounts);
             all.transitions.extend(lane.transitions);
+            all.conditions.extend(lane.conditions);
         }
         all
     }

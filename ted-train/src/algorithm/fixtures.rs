@@ -27,6 +27,7 @@ pub(crate) fn batch_of([rows, observation, action]: [usize; 3], lanes: &[u64], s
             rewards: draw("r", rows),
             discounts: discounts.take(rows).collect(),
             transitions: (0..rows as u32).collect(),
+            conditions: draw("c", rows),
         }
     };
     Batch::of_lanes(lanes.iter().map(of_lane).collect())

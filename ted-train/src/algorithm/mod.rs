@@ -4,6 +4,8 @@ pub mod atac;
 pub mod awr;
 mod batch;
 pub mod bc;
+pub mod conditioned;
+mod conditions;
 #[cfg(test)]
 pub(crate) mod fixtures;
 pub mod iql;
@@ -13,6 +15,7 @@ mod replay;
 mod transitions;
 
 pub use batch::Batch;
+pub use conditions::Conditions;
 pub(crate) use learner::metrics;
 pub use learner::{Learner, Losses, Metrics, Policy};
 pub use replay::{ObservationScaling, Replay};
@@ -22,10 +25,12 @@ use serde::{Deserialize, Serialize};
 use self::atac::{Atac, AtacConfig};
 use self::awr::{Awr, AwrConfig};
 use self::bc::{Bc, BcConfig};
+use self::conditioned::{Conditioned, ConditionedConfig};
 use self::iql::{Iql, IqlConfig};
 use self::oppo::{Oppo, OppoConfig};
 use self::transitions::OfTransitions;
-use crate::dataset::Clip;
+use crate::dataset::{Clip, Dataset};
+use crate::filter::Kept;
 use crate::nn::Backend;
 use crate::reward::RandomQueries;
 use crate::rng::Seed;
@@ -42,6 +47,8 @@ pub enum AlgorithmConfig {
     Awr(AwrConfig),
     /// Behaviour cloning.
     Bc(BcConfig),
+    /// Behaviour cloning conditioned on the predicted return of an episode, flown at the best.
+    Conditioned(ConditionedConfig),
     /// A policy for sequences, learned from answers without a reward.
     Oppo(OppoConfig),
 }
@@ -55,6 +62,7 @@ impl AlgorithmConfig {
             Self::Atac(_) => "atac",
             Self::Awr(_) => "awr",
             Self::Bc(_) => "bc",
+            Self::Conditioned(_) => "conditioned",
             Self::Oppo(_) => "oppo",
         }
     }
@@ -67,6 +75,7 @@ impl AlgorithmConfig {
             Self::Atac(config) => config.steps,
             Self::Awr(config) => config.steps,
             Self::Bc(config) => config.steps,
+            Self::Conditioned(config) => config.steps,
             Self::Oppo(config) => config.steps,
         }
     }
@@ -78,6 +87,7 @@ impl AlgorithmConfig {
             Self::Atac(config) => config.steps = steps,
             Self::Awr(config) => config.steps = steps,
             Self::Bc(config) => config.steps = steps,
+            Self::Conditioned(config) => config.steps = steps,
             Self::Oppo(config) => config.steps = steps,
         }
     }
@@ -90,6 +100,7 @@ impl AlgorithmConfig {
             Self::Atac(config) => config.batch,
             Self::Awr(config) => config.batch,
             Self::Bc(config) => config.batch,
+            Self::Conditioned(config) => config.batch,
             Self::Oppo(config) => config.batch,
         }
     }
@@ -102,16 +113,43 @@ impl AlgorithmConfig {
                 queries: config.queries,
                 clip: Clip::Steps(config.segment),
             }),
-            Self::Iql(_) | Self::Atac(_) | Self::Awr(_) | Self::Bc(_) => None,
+            Self::Iql(_) | Self::Atac(_) | Self::Awr(_) | Self::Bc(_) | Self::Conditioned(_) => {
+                None
+            }
         }
     }
 
-    /// Whether it looks at rewards and discounts.
+    /// Whether it looks at rewards, one by one or summed over episodes.
     #[must_use]
-    pub fn learns_values(&self) -> bool {
+    pub fn reads_rewards(&self) -> bool {
+        match self {
+            Self::Iql(_) | Self::Atac(_) | Self::Awr(_) | Self::Conditioned(_) => true,
+            Self::Bc(_) | Self::Oppo(_) => false,
+        }
+    }
+
+    /// Whether it looks at the discount of each transition.
+    #[must_use]
+    pub fn reads_discounts(&self) -> bool {
         match self {
             Self::Iql(_) | Self::Atac(_) | Self::Awr(_) => true,
-            Self::Bc(_) | Self::Oppo(_) => false,
+            Self::Bc(_) | Self::Conditioned(_) | Self::Oppo(_) => false,
+        }
+    }
+
+    /// How good each episode is, where the policy is told; `returns_hat` are the predicted returns of all episodes.
+    #[must_use]
+    pub fn conditions(
+        &self,
+        dataset: &Dataset,
+        kept: &Kept,
+        returns_hat: &[f32],
+    ) -> Option<Conditions> {
+        match self {
+            Self::Conditioned(config) => {
+                Some(Conditions::new(dataset, kept, returns_hat, config.best))
+            }
+            _ => None,
         }
     }
 
@@ -163,6 +201,16 @@ impl AlgorithmConfig {
             Self::Bc(config) => {
                 let learner = Bc::new(config.clone(), observation, action, &seeds, backend);
                 Box::new(OfTransitions::new(learner, streams, batch))
+            }
+            Self::Conditioned(config) => {
+                let advances: Vec<_> = lanes.iter().map(|lane| lane.advance()).collect();
+                let learner =
+                    Conditioned::new(config.clone(), observation, action, &seeds, backend);
+                Box::new(OfTransitions::new(
+                    learner.flown_at(&advances),
+                    streams,
+                    batch,
+                ))
             }
             Self::Oppo(config) => {
                 let lanes = lanes.iter().zip(seeds);

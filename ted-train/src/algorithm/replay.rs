@@ -9,7 +9,7 @@ use crate::filter::Kept;
 use crate::preferences::LabelledPair;
 use crate::rng::Seed;
 
-use super::Batch;
+use super::{Batch, Conditions};
 
 #[cfg(test)]
 mod tests;
@@ -25,8 +25,8 @@ pub enum ObservationScaling {
     Raw,
 }
 
-/// What a lane learns from: standardised observations, labelled rewards, a discount for each transition, and answers where
-/// the policy is learned from them.
+/// What a lane learns from: standardised observations, labelled rewards, a discount for each transition, how good its
+/// episode is where the policy is told, and answers where it is learned from them.
 pub struct Replay<'a> {
     dataset: &'a Dataset,
     shift: Vec<f32>,
@@ -34,6 +34,7 @@ pub struct Replay<'a> {
     rewards: Vec<f32>,
     discounts: Vec<f32>,
     kept: Kept,
+    conditions: Conditions,
     answers: Vec<LabelledPair>,
 }
 
@@ -60,6 +61,7 @@ impl<'a> Replay<'a> {
             rewards,
             discounts,
             kept: Kept::all(dataset),
+            conditions: Conditions::default(),
             answers: Vec::new(),
         }
     }
@@ -78,6 +80,12 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn keep(self, kept: Kept) -> Self {
         Self { kept, ..self }
+    }
+
+    /// Adds how good the episode of each transition is.
+    #[must_use]
+    pub fn conditioned(self, conditions: Conditions) -> Self {
+        Self { conditions, ..self }
     }
 
     /// Adds the answers that the policy itself is learned from.
@@ -122,6 +130,12 @@ impl<'a> Replay<'a> {
         &self.kept
     }
 
+    /// How far from the average of the logs towards its aim a conditioned policy may fly, in [0, 1].
+    #[must_use]
+    pub fn advance(&self) -> f32 {
+        self.conditions.advance()
+    }
+
     /// What was said about pairs of clips.
     #[must_use]
     pub fn answers(&self) -> &[LabelledPair] {
@@ -150,6 +164,7 @@ impl<'a> Replay<'a> {
             rewards: Vec::with_capacity(size),
             discounts: Vec::with_capacity(size),
             transitions: Vec::with_capacity(size),
+            conditions: Vec::new(),
         };
         for _ in 0..size {
             let step = self.kept.step(rng.random_range(0..self.kept.count()));
@@ -168,6 +183,7 @@ impl<'a> Replay<'a> {
             batch.discounts.push(self.discounts[step]);
             // A dataset numbers its rows in 32 bits.
             batch.transitions.push(step as u32);
+            batch.conditions.extend(self.conditions.of(step));
         }
         batch
     }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::learner::{Learner, Losses, Metrics, Policy, metrics};
 use super::{Batch, Replay};
-use super::{atac, awr, bc, iql};
+use super::{atac, awr, bc, conditioned, iql};
 use crate::checkpoint::{Checkpoint, ForeignCheckpoint};
 use crate::rng::Seed;
 
@@ -74,3 +74,4 @@ learner!(iql::Iql, iql::Losses);
 learner!(atac::Atac, atac::Losses);
 learner!(awr::Awr, awr::Losses, prepare);
 learner!(bc::Bc, bc::Losses);
+learner!(conditioned::Conditioned, conditioned::Losses);

@@ -38,9 +38,9 @@ impl Config {
         let refuse =
             |choice: &'static str, reason: String| Err(ConfigError::Composition { choice, reason });
         let algorithm = self.algorithm.name();
-        let learns_values = self.algorithm.learns_values();
+        let reads_rewards = self.algorithm.reads_rewards();
         if self.reward.is_none() {
-            if learns_values {
+            if reads_rewards {
                 let reason = format!(
                     "{algorithm} needs a reward for each transition, and reward.source = \"none\" gives none: choose another \
                      source, or the algorithm bc or oppo"
@@ -55,7 +55,7 @@ impl Config {
             }
         }
         let predicted = matches!(self.filter, FilterConfig::TopPredicted { .. });
-        if !learns_values && !predicted && !self.reward.is_none() {
+        if !reads_rewards && !predicted && !self.reward.is_none() {
             let reason = format!(
                 "{algorithm} looks at no reward, and no filter ranks by it, so nothing would come of it: set reward.source = \"none\""
             );
@@ -87,7 +87,9 @@ impl Config {
             );
             return refuse("discount", reason);
         }
-        if !learns_values && !matches!(self.discount, DiscountConfig::Constant { .. }) {
+        if !self.algorithm.reads_discounts()
+            && !matches!(self.discount, DiscountConfig::Constant { .. })
+        {
             let reason = format!(
                 "{algorithm} looks at no discount, so nothing would come of it: set discount.rule = \"constant\""
             );

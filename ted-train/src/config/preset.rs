@@ -7,12 +7,14 @@ use serde::{Deserialize, Serialize};
 use crate::algorithm::atac::AtacConfig;
 use crate::algorithm::awr::AwrConfig;
 use crate::algorithm::bc::BcConfig;
+use crate::algorithm::conditioned::ConditionedConfig;
 use crate::algorithm::iql::IqlConfig;
 use crate::algorithm::oppo::OppoConfig;
 use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::reward::RewardConfig;
+use crate::reward::episodes::EpisodesConfig;
 use crate::reward::oprl::OprlConfig;
 use crate::reward::transformer::PtConfig;
 use crate::reward::transport::TransportConfig;
@@ -27,6 +29,8 @@ use super::{Config, Schedule};
 pub enum Preset {
     True,
     TrueTed,
+    TrueConditioned,
+    Steer,
     Zero,
     ZeroTed,
     Random,
@@ -82,7 +86,7 @@ const SURVIVAL: &str = "Li et al. 2023, on the survival instinct";
 const SANITY: &str = "ours: TED must not make something of nothing";
 
 /// Every preset, in the order of the enum.
-pub const TABLE: [Row; 23] = [
+pub const TABLE: [Row; 25] = [
     row(
         Preset::True,
         "true",
@@ -94,6 +98,18 @@ pub const TABLE: [Row; 23] = [
         "true+ted",
         "the same with TED, which must not harm them",
         "paper, Table 12",
+    ),
+    row(
+        Preset::TrueConditioned,
+        "true+conditioned",
+        "cloning told how good each episode was, flown at the best: what conditioning reaches with perfect labels",
+        "ours, docs/steer.md",
+    ),
+    row(
+        Preset::Steer,
+        "steer",
+        "a look at the logs, ten answers about whole episodes, and cloning that they steer towards the best",
+        "ours, docs/steer.md",
     ),
     row(
         Preset::Zero,
@@ -218,7 +234,7 @@ impl Preset {
     #[must_use]
     pub fn config(self) -> Config {
         let reward = match self {
-            Self::True | Self::TrueTed => RewardConfig::True {},
+            Self::True | Self::TrueTed | Self::TrueConditioned => RewardConfig::True {},
             Self::Zero | Self::ZeroTed => RewardConfig::Zero {},
             Self::Random | Self::RandomTed => RewardConfig::Random {},
             Self::Negative | Self::NegativeTed => RewardConfig::Negative {},
@@ -234,6 +250,7 @@ impl Preset {
                 RewardConfig::Transformer(PtConfig::default())
             }
             Self::Otr => RewardConfig::Transport(TransportConfig::default()),
+            Self::Steer => RewardConfig::Episodes(EpisodesConfig::default()),
             Self::Oppo | Self::Bc | Self::Bc10 => RewardConfig::None {},
         };
         let filter = match self {
@@ -257,6 +274,9 @@ impl Preset {
         let algorithm = match self {
             Self::Oprl => AlgorithmConfig::Awr(AwrConfig::default()),
             Self::OprlAtac | Self::OprlAtacTed => AlgorithmConfig::Atac(AtacConfig::default()),
+            Self::TrueConditioned | Self::Steer => {
+                AlgorithmConfig::Conditioned(ConditionedConfig::default())
+            }
             Self::Bc | Self::Bc10 => AlgorithmConfig::Bc(BcConfig::default()),
             Self::Oppo => AlgorithmConfig::Oppo(OppoConfig::default()),
             _ => AlgorithmConfig::Iql(IqlConfig::default()),

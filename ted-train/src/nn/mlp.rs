@@ -190,6 +190,12 @@ impl Mlp {
         self.parameters.project(limit);
     }
 
+    /// Takes this share away from every weight and bias: a decay that goes past the moments of an optimiser.
+    pub(crate) fn shrink(&mut self, share: f64) {
+        let nothing = self.parameters.zeros_like();
+        self.parameters.polyak(&nothing, share as f32);
+    }
+
     /// Moves towards `source`: `self <- rate * source + (1 - rate) * self` (Polyak averaging of target networks).
     pub(crate) fn polyak(&mut self, source: &Self, rate: f64) {
         self.parameters.polyak(&source.parameters, rate as f32);

@@ -48,6 +48,15 @@ impl RewardModel {
         }
     }
 
+    /// How far a policy may go by it, from 0 for not at all to 1: all the way unless it says itself that it is not sure enough.
+    #[must_use]
+    pub fn trust(&self) -> f32 {
+        match self.confidence() {
+            Some(confidence) if !confidence.leaves_the_logs => 0.0,
+            _ => 1.0,
+        }
+    }
+
     /// How sure it is that its best episodes are better than the logs; none of a model that cannot tell.
     #[must_use]
     pub fn confidence(&self) -> Option<&Confidence> {

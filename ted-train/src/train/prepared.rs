@@ -3,12 +3,13 @@
 
 use firmware_sim::progress::Audience;
 
-use crate::algorithm::Replay;
+use crate::algorithm::{Conditions, Replay};
 use crate::checkpoint::Checkpoint;
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::filter::Kept;
 use crate::preferences::Teacher;
+use crate::reward::RewardModel;
 use crate::rng::Seed;
 use crate::run::{Clock, Phase, RunFolder, Spent};
 use crate::ted::Discounted;
@@ -28,6 +29,7 @@ pub struct Prepared<'a> {
     rewards: Rewards,
     kept: Kept,
     discounted: Discounted,
+    conditions: Option<Conditions>,
 }
 
 impl<'a> Prepared<'a> {
@@ -58,6 +60,17 @@ impl<'a> Prepared<'a> {
         // Phase 3: which transitions the policy is learned from, and a discount for each.
         let kept = config.filter.kept(dataset, &rewards.labels.returns_hat)?;
         let discounted = config.discount.apply(dataset, &rewards.labels)?;
+        let returns_hat = &rewards.labels.returns_hat;
+        let trust = rewards.model.as_ref().map_or(1.0, RewardModel::trust);
+        let conditions = (config.algorithm)
+            .conditions(dataset, &kept, returns_hat)
+            .map(|conditions| conditions.advanced(trust));
+        if conditions.as_ref().is_some_and(Conditions::are_equal) {
+            audience.note(
+                "no episode is predicted to be better than the others, or algorithm.best is all of them: the policy imitates the \
+                 average",
+            );
+        }
         let saved = folder.newest_checkpoint(config, audience);
         // Where updates were made before, all of this was done before too, and is only done again.
         if saved.is_none() && Spent::of(folder).is_none_or(|spent| spent.reward_of.is_none()) {
@@ -71,6 +84,7 @@ impl<'a> Prepared<'a> {
             rewards,
             kept,
             discounted,
+            conditions,
         })
     }
 
@@ -106,6 +120,7 @@ impl<'a> Prepared<'a> {
         Replay::new(self.dataset, rewards, discounts)
             .seen(self.config.observations)
             .keep(self.kept.clone())
+            .conditioned(self.conditions.clone().unwrap_or_default())
             .answered(self.rewards.answers.clone())
     }
 

@@ -92,6 +92,23 @@ fn runs_of_one_batch_leave_the_files_that_each_leaves_alone() {
                 5,
                 &[&SEQUENCE[..], &[set, "algorithm.steps=20"]].concat(),
             ),
+            lane(
+                &desk,
+                &name("conditioned"),
+                Preset::TrueConditioned,
+                6,
+                &[set, "algorithm.best=2"],
+            ),
+            on(
+                other.clone(),
+                lane(
+                    &desk,
+                    &name("conditioned-too"),
+                    Preset::TrueConditioned,
+                    7,
+                    &[set, "algorithm.best=2"],
+                ),
+            ),
             // Cannot be a lane of the same learner, and need not be.
             lane(
                 &desk,

@@ -19,6 +19,15 @@ pub const TRANSFORMER: [&str; 7] = [
     "reward.head=per-step",
 ];
 
+/// A model of episodes that learns in a moment.
+pub const EPISODES: [&str; 5] = [
+    "reward.queries=3",
+    "reward.clone.steps=6",
+    "reward.network.steps=6",
+    "reward.samples=20",
+    "reward.held_out=20",
+];
+
 /// A sequence policy that learns in a moment.
 pub const SEQUENCE: [&str; 7] = [
     "algorithm.queries=3",
@@ -72,11 +81,14 @@ fn every_preset_trains_and_goes_on_to_the_same_bytes_and_what_a_controller_can_f
             "atac" => sets.push("algorithm.warm_start=10"),
             "awr" => sets.extend(["algorithm.critic_steps=5", "algorithm.actor_steps=5"]),
             "oppo" => sets.extend(SEQUENCE),
+            // Fewer than all six episodes, or none would be better than the average.
+            "conditioned" => sets.push("algorithm.best=2"),
             _ => {}
         }
         match row["reward"].as_str().unwrap() {
             "transport" => sets.push("reward.experts=2"),
             "transformer" => sets.extend(TRANSFORMER),
+            "episodes" => sets.extend(EPISODES),
             _ => {}
         }
         let straight = desk.run(&format!("{preset}-straight"));
@@ -179,6 +191,46 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
             "expected 1 to 6, the episodes of the dataset",
         ),
         ("bc", "reward={source=\"true\"}", "bc looks at no reward"),
+        (
+            "steer",
+            "reward.lapse=1.0",
+            "reward.lapse is 1, but must be in [0, 1)",
+        ),
+        (
+            "steer",
+            "reward.clone.steps=0",
+            "reward.clone.steps is 0, but must be at least 1",
+        ),
+        (
+            "true+conditioned",
+            "reward={source=\"none\"}",
+            "conditioned needs a reward for each transition",
+        ),
+        (
+            "true+conditioned",
+            "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=0.7}",
+            "conditioned looks at no discount",
+        ),
+        (
+            "true+conditioned",
+            "algorithm.best=0",
+            "algorithm.best is 0, but must be at least 1",
+        ),
+        (
+            "true+conditioned",
+            "algorithm.aim=-1.0",
+            "algorithm.aim is -1, but must be in [0, inf)",
+        ),
+        (
+            "true+conditioned",
+            "algorithm.final_rate=0.1",
+            "must be in [0, algorithm.learning_rate]",
+        ),
+        (
+            "true+conditioned",
+            "algorithm.average_rate=0.0",
+            "algorithm.average_rate is 0, but must be in (0, 1]",
+        ),
         (
             "pt+truncate",
             "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=0.7}",

@@ -20,6 +20,7 @@ fn the_number_of_threads_does_not_show_in_any_byte() {
         ("otr", &["reward.experts=2"]),
         ("oppo", &["algorithm.segment=30", "algorithm.steps=3"]),
         ("bc", &[]),
+        ("true+conditioned", &["algorithm.best=2"]),
     ] {
         let shared: &[&str] = match preset {
             "oppo" => &[],
@@ -143,4 +144,40 @@ fn what_flies_is_what_was_trained_with_rewards_that_a_controller_can_repeat_and_
         let parts = (artifact.reward().is_some(), artifact.ted().is_some());
         assert_eq!(parts, (unit == "true", unit == "true"));
     }
+}
+
+#[test]
+fn a_policy_that_aims_out_of_range_is_checked_exported_again_and_limited_in_floats_and_in_integers()
+{
+    let desk = Desk::with_dataset();
+    let far = ["algorithm.best=2", "algorithm.aim=50.0"];
+    finish(&mut desk.train("run", "true+conditioned", &far)).with(0);
+    let run = desk.run("run");
+    let bytes = ArtifactBytes::read(run.join("policy.ted")).unwrap();
+    let artifact = Artifact::parse(&bytes).unwrap();
+    assert_eq!(artifact.policy().mlp().output(), ted_core::Output::Linear);
+    finish(ted().arg("crosscheck").arg(&run).args(["--episodes", "0"])).with(0);
+
+    let before = std::fs::read(run.join("policy.ted")).unwrap();
+    std::fs::remove_file(run.join("policy.ted")).unwrap();
+    finish(ted().arg("export").arg(&run)).with(0);
+    assert!(std::fs::read(run.join("policy.ted")).unwrap() == before);
+
+    for numeric in ["f32", "integer"] {
+        let replay = ["--replay", "--json", "--numeric", numeric];
+        let flown = finish(ted().arg("eval").arg(&run).args(replay)).with(0);
+        let report: serde_json::Value = serde_json::from_str(&flown.said).unwrap();
+        assert!(report["clamped_ticks"].as_u64().unwrap() > 0, "{report}");
+        assert!(report["faults"].as_array().unwrap().is_empty(), "{report}");
+    }
+}
+
+#[test]
+fn a_run_says_when_no_episode_is_left_to_be_better_than_the_average() {
+    let desk = Desk::with_dataset();
+    let said = "the policy imitates the average";
+    // Six episodes, of which ten are the best.
+    let all = finish(&mut desk.train("all", "true+conditioned", &[])).with(0);
+    let some = finish(&mut desk.train("some", "true+conditioned", &["algorithm.best=5"])).with(0);
+    assert!(all.told.contains(said) && !some.told.contains(said));
 }

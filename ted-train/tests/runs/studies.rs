@@ -45,6 +45,8 @@ fn the_documents_have_the_table_that_their_command_prints_and_nothing_is_missing
         assert_eq!(seeds, Some("3"), "{row}");
     }
     let all = finish(ted().args(["train", "--preset", "list"])).with(0);
-    let presets = all.said.lines().count() - 1;
+    // Those of the papers: what is ours has a page of its own.
+    let lines = all.said.lines().skip(1);
+    let presets = lines.filter(|line| !line.contains("docs/steer.md")).count();
     assert_eq!(rows.len(), 2 * presets, "two tasks");
 }

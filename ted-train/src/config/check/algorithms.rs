@@ -4,6 +4,7 @@ use crate::algorithm::AlgorithmConfig;
 use crate::algorithm::atac::AtacConfig;
 use crate::algorithm::awr::AwrConfig;
 use crate::algorithm::bc::BcConfig;
+use crate::algorithm::conditioned::ConditionedConfig;
 use crate::algorithm::iql::IqlConfig;
 use crate::algorithm::oppo::OppoConfig;
 use crate::config::ConfigError;
@@ -19,6 +20,7 @@ pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
         AlgorithmConfig::Atac(config) => atac(config),
         AlgorithmConfig::Awr(config) => awr(config),
         AlgorithmConfig::Bc(config) => bc(config),
+        AlgorithmConfig::Conditioned(config) => conditioned(config),
         AlgorithmConfig::Oppo(config) => oppo(config),
     }
 }
@@ -27,7 +29,7 @@ fn iql(config: &IqlConfig) -> Result<(), ConfigError> {
     let tau = config.tau;
     ALGORITHM.within("tau", tau, tau > 0.0 && tau < 1.0, "in (0, 1)")?;
     ALGORITHM.not_negative("beta", config.beta)?;
-    target_rate(config.target_rate)?;
+    average_rate("target_rate", config.target_rate)?;
     ALGORITHM.positive("learning_rate", config.learning_rate)?;
     ALGORITHM.positive("advantage_clip", config.advantage_clip)?;
     let [low, high] = config.log_std;
@@ -45,7 +47,7 @@ fn atac(config: &AtacConfig) -> Result<(), ConfigError> {
     ALGORITHM.not_negative("beta", config.beta)?;
     ALGORITHM.positive("fast_rate", config.fast_rate)?;
     ALGORITHM.positive("slow_rate", config.slow_rate)?;
-    target_rate(config.target_rate)?;
+    average_rate("target_rate", config.target_rate)?;
     ALGORITHM.positive("norm_limit", config.norm_limit)?;
     let [low, high] = config.std;
     ALGORITHM.positive("std[0]", low)?;
@@ -79,6 +81,19 @@ fn bc(config: &BcConfig) -> Result<(), ConfigError> {
     ALGORITHM.widths("hidden", &config.hidden)
 }
 
+fn conditioned(config: &ConditionedConfig) -> Result<(), ConfigError> {
+    let (first, last) = (config.learning_rate, config.final_rate);
+    ALGORITHM.positive("learning_rate", first)?;
+    let holds = (0.0..=first).contains(&last);
+    ALGORITHM.within("final_rate", last, holds, "in [0, algorithm.learning_rate]")?;
+    ALGORITHM.not_negative("weight_decay", config.weight_decay)?;
+    average_rate("average_rate", config.average_rate)?;
+    ALGORITHM.at_least_one("best", config.best as f64)?;
+    ALGORITHM.not_negative("aim", config.aim)?;
+    ALGORITHM.adam("adam", config.adam)?;
+    ALGORITHM.widths("hidden", &config.hidden)
+}
+
 fn oppo(config: &OppoConfig) -> Result<(), ConfigError> {
     ALGORITHM.at_least_one("queries", config.queries as f64)?;
     ALGORITHM.at_least_one("segment", config.segment.into())?;
@@ -96,7 +111,7 @@ fn oppo(config: &OppoConfig) -> Result<(), ConfigError> {
     ALGORITHM.adamw("adamw", config.adamw)
 }
 
-fn target_rate(rate: f64) -> Result<(), ConfigError> {
+fn average_rate(field: &str, rate: f64) -> Result<(), ConfigError> {
     let holds = rate > 0.0 && rate <= 1.0;
-    ALGORITHM.within("target_rate", rate, holds, "in (0, 1]")
+    ALGORITHM.within(field, rate, holds, "in (0, 1]")
 }

@@ -85,16 +85,16 @@ fn episodes(config: &EpisodesConfig) -> Result<(), ConfigError> {
     REWARD.at_least_one("samples", config.samples as f64)?;
     REWARD.at_least_one("thinning", config.thinning as f64)?;
     REWARD.share("sure", config.sure)?;
-    fitting(&config.clone)?;
-    fitting(&config.network)
+    fitting(Table("reward.clone"), &config.clone)?;
+    fitting(Table("reward.network"), &config.network)
 }
 
-fn fitting(config: &Fitting) -> Result<(), ConfigError> {
-    REWARD.at_least_one("steps", config.steps as f64)?;
-    REWARD.at_least_one("batch", config.batch as f64)?;
-    REWARD.positive("learning_rate", config.learning_rate)?;
-    REWARD.adam("adam", config.adam)?;
-    REWARD.widths("hidden", &config.hidden)
+fn fitting(table: Table, config: &Fitting) -> Result<(), ConfigError> {
+    table.at_least_one("steps", config.steps as f64)?;
+    table.at_least_one("batch", config.batch as f64)?;
+    table.positive("learning_rate", config.learning_rate)?;
+    table.adam("adam", config.adam)?;
+    table.widths("hidden", &config.hidden)
 }
 
 fn scaling(scaling: InputScaling) -> Result<(), ConfigError> {
