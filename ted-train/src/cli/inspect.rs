@@ -1,6 +1,6 @@
 //! `ted inspect`: what is in a file or folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use firmware_sim::exit::ExitCode;
@@ -8,7 +8,11 @@ use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 use ted_policy::SafeAction;
 
-use crate::inspect::{ArtefactText, DatasetText, Inspection, NetworkText, RunText, inspect};
+use crate::dataset::Dataset;
+use crate::inspect::{
+    ArtefactText, DatasetText, Inspection, LookText, NetworkText, RunText, inspect, look,
+};
+use crate::train::TrainError;
 
 use super::failures::end;
 use super::locate::existing_or_dataset;
@@ -19,6 +23,7 @@ Examples:
   ted inspect runs/drawer-open-v3/oprl-i+ted/seed-0/policy.ted
   ted inspect runs/drawer-open-v3/oprl-i+ted/seed-0 --json
   ted inspect ted/drawer-open-v3-paper-s0-v0
+  ted inspect drawer-open-v3 --look                  what the logs say before anybody is asked
 
 Exit code 7 when this machine does not compute the artefact's golden vectors to the bit.";
 
@@ -28,12 +33,19 @@ Exit code 7 when this machine does not compute the artefact's golden vectors to 
 pub(super) struct InspectArgs {
     /// An artefact, the folder of a run, or a dataset
     path: PathBuf,
+    /// Of a dataset, what the logs say by themselves: what the preset steer goes by before it asks anything. Takes half a minute
+    #[arg(long)]
+    look: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let inspection = inspect(&existing_or_dataset(&args.path)).map_err(end)?;
+    let path = existing_or_dataset(&args.path);
+    if args.look {
+        return look_at(&path, args);
+    }
+    let inspection = inspect(&path).map_err(end)?;
     args.output.print(&inspection, || match &inspection {
         Inspection::Artefact(artefact) => artefact_text(artefact),
         Inspection::Run(run) => run_text(run),
@@ -46,6 +58,49 @@ pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
         },
         _ => Ok(()),
     }
+}
+
+fn look_at(path: &Path, args: &InspectArgs) -> Result<(), Failure> {
+    if path.is_file() || path.join("config.toml").is_file() {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "--look is for datasets, and {} is none: leave it out",
+                path.display()
+            ),
+        ));
+    }
+    let dataset = Dataset::open(path).map_err(end)?;
+    let look = look(&dataset, args.output.audience())
+        .map_err(TrainError::from)
+        .map_err(end)?;
+    args.output.print(&look, || look_text(&look))?;
+    Ok(())
+}
+
+fn look_text(look: &LookText) -> String {
+    let mut table = Table::new(&[
+        ("descriptor", Align::Left),
+        ("reliability", Align::Right),
+        ("most of it", Align::Left),
+        ("made of", Align::Left),
+    ]);
+    for descriptor in &look.descriptors {
+        let most = descriptor.most.iter().map(|episode| episode.to_string());
+        table.row([
+            descriptor.name.clone(),
+            format!("{:.2}", descriptor.reliability),
+            format!("episodes {}", most.collect::<Vec<_>>().join(", ")),
+            descriptor.made_of.clone(),
+        ]);
+    }
+    let competence = look.descriptors.first().map_or(0.0, |it| it.reliability);
+    let verdict = if competence < 0.5 {
+        "The halves of an episode do not agree on how competent it is: nothing is believed of it beforehand, and answers decide."
+    } else {
+        "Episodes differ in how far they go the way that all go. Before anybody answers, those that go further are held to be better."
+    };
+    format!("{}\n{verdict}", table.text())
 }
 
 fn artefact_text(artefact: &ArtefactText) -> String {

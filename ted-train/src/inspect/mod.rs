@@ -2,6 +2,7 @@
 
 mod artefact;
 mod dataset;
+mod look;
 mod run;
 
 pub use artefact::{
@@ -9,6 +10,7 @@ pub use artefact::{
     NetworkText, ProvenanceText, RewardText, TedText,
 };
 pub use dataset::DatasetText;
+pub use look::{DescriptorText, LookText, look};
 pub use run::RunText;
 
 use std::path::Path;

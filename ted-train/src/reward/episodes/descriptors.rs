@@ -11,6 +11,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::dataset::Dataset;
+use crate::ranking::ranking;
 
 /// Numbers of each episode, standardised over episodes, and what they are made of.
 #[derive(Clone, Debug)]
@@ -144,6 +145,26 @@ impl Descriptors {
             directions,
             offsets,
         }
+    }
+
+    /// The channels that a direction of whereabouts is made of, with their weights, the largest first.
+    #[must_use]
+    pub fn channels(&self, direction: usize) -> Vec<(usize, f64)> {
+        let column = self.directions.column(direction);
+        let mut weights: Vec<_> = column.iter().copied().enumerate().collect();
+        weights.retain(|(_, weight)| *weight != 0.0);
+        weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        weights
+    }
+
+    /// The episodes that have most of a descriptor, the first the most.
+    #[must_use]
+    pub fn most(&self, descriptor: usize, count: usize) -> Vec<usize> {
+        let column = self.values.column(descriptor);
+        let values: Vec<f64> = column.iter().copied().collect();
+        let mut most = ranking(&values);
+        most.truncate(count);
+        most
     }
 
     /// The share of an episode's quality that each step has, whose mean over the steps of an episode is `weights` times its
