@@ -1,12 +1,15 @@
 """Records one episode of the scripted policy, made worse on purpose.
 
 Each step: the scripted policy's action, plus N(0, noise_std^2) in every dimension; with probability epsilon a uniformly
-random action instead; clipped to [-1, 1] and cast to float32. That float32 action is executed and recorded.
+random action instead; then, whichever it is, a constant push and a drift of the hand; clipped to [-1, 1] and cast to float32.
+That float32 action is executed and recorded.
 
-Randomness: three PCG64 streams whose seed sequences are the episode's seed with the spawn keys below, each drawn step by
-step (four normals; one uniform in [0, 1); four uniforms in [-1, 1)). The goal has the seed's own stream, without a spawn
-key. So a shorter episode is the beginning of a longer one, and the same seed has the same luck under every behaviour.
+Randomness: four PCG64 streams whose seed sequences are the episode's seed with the spawn keys below, each drawn step by
+step (four normals; one uniform in [0, 1); four uniforms in [-1, 1); three normals). The goal has the seed's own stream, without
+a spawn key. So a shorter episode is the beginning of a longer one, and the same seed has the same luck under every behaviour.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +19,21 @@ from task import ACTION, OBSERVATION
 NOISE_KEY = 1
 CHOICE_KEY = 2
 UNIFORM_KEY = 3
+DRIFT_KEY = 4
+
+# What drifts: the hand's three directions. A drifting gripper would let go for a hundred steps, and the log would be of failures.
+HAND = 3
+
+
+class Behaviour(NamedTuple):
+    """How the scripted policy is made worse, in the order of the wire."""
+
+    noise_std: float
+    epsilon: float
+    push: tuple = (0.0, 0.0, 0.0, 0.0)
+    drift_std: float = 0.0
+    drift_correlation: float = 0.0
+    purpose: int = 0
 
 
 class Record:
@@ -59,22 +77,23 @@ class Record:
         ]
 
 
-def collect(task, seed, steps, noise_std, epsilon):
+def collect(task, seed, steps, behaviour):
     """Plays the episode of this seed for `steps` steps and returns its Record."""
-    noise = stream(seed, NOISE_KEY).standard_normal((steps, ACTION)) * noise_std
-    choices = stream(seed, CHOICE_KEY).random(steps) < epsilon
+    noise = stream(seed, NOISE_KEY).standard_normal((steps, ACTION)) * behaviour.noise_std
+    choices = stream(seed, CHOICE_KEY).random(steps) < behaviour.epsilon
     uniform = stream(seed, UNIFORM_KEY).uniform(-1.0, 1.0, (steps, ACTION)).astype(np.float32)
+    bias = biases(seed, steps, behaviour)
 
-    policy = task.scripted_policy()
+    scripted = task.scripted_policy(behaviour.purpose)
     data = task.env.data
     observation = task.reset(seed)
     record = Record(task, steps)
     record.keep_state(0, observation, data)
     for step in range(steps):
-        if choices[step]:
-            action = uniform[step]
-        else:
-            action = np.clip(policy.get_action(observation) + noise[step], -1.0, 1.0).astype(np.float32)
+        action = uniform[step] if choices[step] else scripted(observation) + noise[step]
+        if bias is not None:
+            action = action + bias[step]
+        action = np.clip(action, -1.0, 1.0).astype(np.float32)
         observation, reward, success, terminated, truncated = task.step(action)
         record.actions[step] = action
         record.rewards[step] = reward
@@ -85,6 +104,25 @@ def collect(task, seed, steps, noise_std, epsilon):
         if terminated:
             break
     return record
+
+
+def biases(seed, steps, behaviour):
+    """What is added to the action of each step beside noise: the push, and the drift so far. None where there is neither."""
+    if behaviour.drift_std == 0.0 and not any(behaviour.push):
+        return None
+    bias = np.tile(np.array(behaviour.push), (steps, 1))
+    if behaviour.drift_std > 0.0:
+        bias[:, :HAND] += drift(seed, steps, behaviour.drift_std, behaviour.drift_correlation)
+    return bias
+
+
+def drift(seed, steps, std, correlation):
+    """A first-order autoregression in each direction of the hand, which starts in its stationary distribution."""
+    draws = stream(seed, DRIFT_KEY).standard_normal((steps, HAND)) * std
+    draws[1:] *= np.sqrt(1.0 - correlation**2)
+    for step in range(1, steps):
+        draws[step] += correlation * draws[step - 1]
+    return draws
 
 
 def stream(seed, key):

@@ -57,7 +57,7 @@ def serve(link, mode, starts):
         if kind == messages.COLLECT:
             if answered_badly(link, mode, starts, sequence):
                 continue
-            seed, steps, _, _ = messages.COLLECT_REQUEST.unpack(payload)
+            seed, steps, *_ = messages.COLLECT_REQUEST.unpack(payload)
             link.send(messages.COLLECTED, sequence, *episode(seed, steps))
         elif kind == messages.OPEN:
             link.send(messages.OPENED, sequence, messages.SHAPE.pack(2, 1, 1, 1, 0, 1, STEPS))

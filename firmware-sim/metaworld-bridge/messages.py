@@ -32,7 +32,8 @@ TRUNCATED = 4
 
 SHAPE = struct.Struct("<HHIIIII")
 RESET_REQUEST = struct.Struct("<HQ")
-COLLECT_REQUEST = struct.Struct("<QIdd")
+# Seed and steps, then the fields of `collect.Behaviour`: push is four numbers.
+COLLECT_REQUEST = struct.Struct("<QIdd4dddB")
 REWARD_AND_FLAGS = struct.Struct("<dB")
 EPISODE_STEPS = struct.Struct("<I")
 FAULT_CODE = struct.Struct("<H")

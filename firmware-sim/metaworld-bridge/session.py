@@ -13,7 +13,7 @@ import scipy
 from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 import messages
-from collect import collect
+from collect import Behaviour, collect
 from importlib import metadata
 from fast import FastTask
 from task import ACTION, OBSERVATION, Task
@@ -60,6 +60,14 @@ def read_moves(payload):
     if not slots or len(set(slots)) < len(slots):
         raise ValueError(f"a step of the slots {slots}")
     return slots, moves["action"]
+
+
+def read_collect(payload):
+    """The seed, the steps and the behaviour of an episode to record."""
+    seed, steps, noise_std, epsilon, *push, drift_std, drift_correlation, purpose = messages.COLLECT_REQUEST.unpack(payload)
+    if not (drift_std >= 0.0 and abs(drift_correlation) <= 1.0):
+        raise ValueError(f"a drift of {drift_std} with correlation {drift_correlation}")
+    return seed, steps, Behaviour(noise_std, epsilon, tuple(push), drift_std, drift_correlation, purpose)
 
 
 def read_reset(payload):
@@ -142,12 +150,14 @@ class Session:
         return messages.STEPPED, [outcomes.tobytes()]
 
     def _collect(self, payload):
-        seed, steps, noise_std, epsilon = self._parsed(messages.COLLECT_REQUEST.unpack, payload)
+        seed, steps, behaviour = self._parsed(read_collect, payload)
         task = self._opened()
         self._running.clear()
         if not 1 <= steps <= task.horizon:
             raise Refusal(messages.BAD_REQUEST, f"{steps} steps in a task of 1 to {task.horizon}")
-        record = collect(task, seed, steps, noise_std, epsilon)
+        if behaviour.purpose >= task.purposes:
+            raise Refusal(messages.BAD_REQUEST, f"purpose {behaviour.purpose} of a task with {task.purposes}")
+        record = collect(task, seed, steps, behaviour)
         return messages.COLLECTED, [messages.EPISODE_STEPS.pack(record.steps), *record.parts()]
 
     def _parsed(self, parse, payload):

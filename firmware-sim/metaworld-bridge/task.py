@@ -23,6 +23,9 @@ ACTION = 4
 class Task:
     """A task, ready for any number of episodes."""
 
+    # How many scripted policies there are to play it.
+    purposes = 1
+
     def __init__(self, name):
         environment = ALL_V3_ENVIRONMENTS[name]
         self.name = name
@@ -48,9 +51,10 @@ class Task:
         """Forgets all episodes."""
         self._snapshot.restore()
 
-    def scripted_policy(self):
-        """A new instance of the package's own policy for this task."""
-        return self._policy()
+    def scripted_policy(self, purpose=0):
+        """The package's own policy for this task, new: from an observation to an action."""
+        assert purpose < self.purposes, purpose
+        return self._policy().get_action
 
     def reset(self, seed):
         """Starts the episode of this seed and returns its first observation, in float64."""

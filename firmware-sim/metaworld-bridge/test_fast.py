@@ -10,14 +10,14 @@ from metaworld.utils import reward_utils
 from scipy.spatial.transform import Rotation
 
 import scalars
-from collect import collect
+from collect import Behaviour, collect
 from fast import FastTask
 from task import Task
 
 STEPS = 40
 # Whole episodes, for what only comes with time: a drawer that stands open, an object that is pushed into place.
 LONG = {"drawer-open-v3": 500, "sweep-into-v3": 500, "box-close-v3": 500, "pick-place-v3": 200}
-NOISE, EPSILON = 0.3, 0.3
+BEHAVIOUR = Behaviour(noise_std=0.3, epsilon=0.3)
 SEEDS = [7, 2**63 + 1]
 
 # What a body's motion depends on. Of the geoms some are gone, and the equality's own data is set by the package.
@@ -40,7 +40,7 @@ class Engines(unittest.TestCase):
             for seed in SEEDS:
                 with self.subTest(f"{name} {seed}"):
                     steps = LONG.get(name, STEPS)
-                    self.assert_same(collect(fast, seed, steps, NOISE, EPSILON), collect(reference, seed, steps, NOISE, EPSILON))
+                    self.assert_same(collect(fast, seed, steps, BEHAVIOUR), collect(reference, seed, steps, BEHAVIOUR))
 
     def test_only_what_touches_nothing_is_left_out_of_the_models(self):
         for name in ["drawer-open-v3", "box-close-v3", "stick-pull-v3", "plate-slide-back-v3"]:
@@ -57,12 +57,12 @@ class Engines(unittest.TestCase):
         for name in ["drawer-open-v3", "hammer-v3", "window-close-v3"]:
             with self.subTest(name):
                 task = FastTask(name)
-                fresh = collect(task, 3, STEPS, NOISE, EPSILON)
-                collect(task, 4, STEPS, NOISE, EPSILON)
+                fresh = collect(task, 3, STEPS, BEHAVIOUR)
+                collect(task, 4, STEPS, BEHAVIOUR)
                 task.env.model.body_pos += 0.01
                 task.env.obj_init_pos = None
                 mujoco.mj_step(task.env.model, task.env.data, 50)
-                self.assert_same(collect(task, 3, STEPS, NOISE, EPSILON), fresh)
+                self.assert_same(collect(task, 3, STEPS, BEHAVIOUR), fresh)
                 self.assertEqual(task.reset_to(fresh.goal).astype("f4").tobytes(), fresh.observations[0].tobytes())
 
     def test_two_environments_of_one_task_do_not_share_what_moves(self):

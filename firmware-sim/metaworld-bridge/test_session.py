@@ -36,6 +36,7 @@ class Broken:
 
     name = "broken"
     horizon = 500
+    purposes = 1
 
     def __init__(self, error):
         self._error = error
@@ -68,6 +69,11 @@ def faults(session, link):
     return read
 
 
+def recording(steps=20, drift_std=0.0, drift_correlation=0.0, purpose=0):
+    """The payload of a COLLECT."""
+    return messages.COLLECT_REQUEST.pack(7, steps, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, drift_std, drift_correlation, purpose)
+
+
 ACTION = struct.pack("<H4f", 0, 0, 0, 0, 0)
 
 
@@ -94,6 +100,11 @@ class Faults(unittest.TestCase):
             (messages.STEP, ACTION + ACTION),
             (messages.RESET, messages.RESET_REQUEST.pack(messages.SLOTS, 1)),
             (messages.COLLECT, b""),
+            (messages.COLLECT, recording(drift_std=-0.1)),
+            (messages.COLLECT, recording(drift_std=float("nan"))),
+            (messages.COLLECT, recording(drift_correlation=1.5)),
+            (messages.COLLECT, recording(purpose=1)),
+            (messages.COLLECT, recording(steps=501)),
         ]:
             with self.subTest(f"{kind} {payload}"):
                 link = Requests([(kind, payload)])

@@ -16,11 +16,11 @@ import numpy as np
 from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 from metaworld.types import Task as MetaWorldTask
 
-from collect import collect
+from collect import Behaviour, collect
 from task import Task
 
 STEPS = 25
-NOISE, EPSILON = 0.3, 0.3
+BEHAVIOUR = Behaviour(noise_std=0.3, epsilon=0.3)
 SEED = 7
 
 TASKS = [
@@ -76,9 +76,9 @@ class Episodes(unittest.TestCase):
             with self.subTest(name):
                 task = Task(name)
                 untouched = model_digest(task)
-                fresh = collect(task, SEED, STEPS, NOISE, EPSILON)
-                collect(task, SEED + 1, STEPS, NOISE, EPSILON)
-                self.assert_same(collect(task, SEED, STEPS, NOISE, EPSILON), fresh)
+                fresh = collect(task, SEED, STEPS, BEHAVIOUR)
+                collect(task, SEED + 1, STEPS, BEHAVIOUR)
+                self.assert_same(collect(task, SEED, STEPS, BEHAVIOUR), fresh)
                 if model_digest(task) != untouched:
                     moved.add(name)
                 task._snapshot.restore()
@@ -92,7 +92,7 @@ class Episodes(unittest.TestCase):
         for name in TASKS:
             with self.subTest(name):
                 task = Task(name)
-                record = collect(task, SEED, STEPS, NOISE, EPSILON)
+                record = collect(task, SEED, STEPS, BEHAVIOUR)
                 row = STEPS // 2
                 task.reset_to(record.goal)
                 data = task.env.data
@@ -108,7 +108,7 @@ class Episodes(unittest.TestCase):
     def test_forgets_whatever_was_changed(self):
         task = Task("hammer-v3")
         untouched = model_digest(task)
-        fresh = collect(task, SEED, STEPS, NOISE, EPSILON)
+        fresh = collect(task, SEED, STEPS, BEHAVIOUR)
         model, env = task.env.model, task.env
         model.body_pos += 0.01
         model.geom_friction *= 2
@@ -118,7 +118,7 @@ class Episodes(unittest.TestCase):
         env.obj_init_pos = None
         env.never_seen_before = True
         env._last_stable_obs = "nonsense"
-        self.assert_same(collect(task, SEED, STEPS, NOISE, EPSILON), fresh)
+        self.assert_same(collect(task, SEED, STEPS, BEHAVIOUR), fresh)
         task._snapshot.restore()
         self.assertEqual(model_digest(task), untouched)
         self.assertFalse(hasattr(env, "never_seen_before"))

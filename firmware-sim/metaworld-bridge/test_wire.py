@@ -36,7 +36,7 @@ EPISODE = [
 ]
 
 EXPECTED = {
-    "hello": wire.hello(2),
+    "hello": wire.hello(3),
     "ready": wire.frame(messages.READY, 0, messages.text("python=3.11.7 mujoco=3.3.0")),
     "open": wire.frame(messages.OPEN, 1, messages.text("drawer-open-v3")),
     "opened": wire.frame(messages.OPENED, 1, messages.SHAPE.pack(2, 1, 1, 1, 1, 1, 500)),
@@ -51,7 +51,7 @@ EXPECTED = {
         struct.pack("<2f", 0.5, 3.0),
         messages.REWARD_AND_FLAGS.pack(-2.5, 0),
     ),
-    "collect": wire.frame(messages.COLLECT, 4, messages.COLLECT_REQUEST.pack(0xDEADBEEF, 500, 0.8, 0.8)),
+    "collect": wire.frame(messages.COLLECT, 4, messages.COLLECT_REQUEST.pack(0xDEADBEEF, 500, 0.8, 0.8, 0.25, -0.5, 0.0, 1.0, 0.4, 0.98, 1)),
     "collected": wire.frame(messages.COLLECTED, 4, *EPISODE),
     "fault": wire.frame(messages.FAULT, 5, messages.fault(messages.UNKNOWN_TASK, "no such task")),
 }

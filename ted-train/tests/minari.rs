@@ -47,6 +47,7 @@ fn the_real_package_opens_what_is_written_and_sees_every_array_to_the_bit() {
             part: "noisy".into(),
             noise_std: 0.8,
             epsilon: 0.0,
+            ..Behaviour::default()
         };
         writer.write(index as u32, behaviour, record).unwrap();
     }

@@ -9,6 +9,14 @@ pub struct Behaviour {
     pub noise_std: f64,
     /// Probability of a uniformly random action in the place of the policy's.
     pub epsilon: f64,
+    /// Added to every action.
+    pub push: [f64; 4],
+    /// Standard deviation of what is added to every action's three directions of the hand and changes slowly.
+    pub drift_std: f64,
+    /// Correlation of that from one step to the next.
+    pub drift_correlation: f64,
+    /// Which of the task's purposes the scripted policy pursues, from 0; most tasks have one.
+    pub purpose: u8,
 }
 
 impl Behaviour {
@@ -16,17 +24,22 @@ impl Behaviour {
     pub const EXPERT: Self = Self {
         noise_std: 0.0,
         epsilon: 0.0,
+        push: [0.0; 4],
+        drift_std: 0.0,
+        drift_correlation: 0.0,
+        purpose: 0,
     };
     /// The better episodes of the paper's datasets.
     pub const PAPER_NOISY: Self = Self {
         noise_std: 0.8,
-        epsilon: 0.0,
+        ..Self::EXPERT
     };
     /// The other episodes of the paper's datasets: random actions in the place of four in five of the *noisy* policy's.
     /// Without the noise the returns come out far higher than the paper's.
     pub const PAPER_EPSILON: Self = Self {
         noise_std: 0.8,
         epsilon: 0.8,
+        ..Self::EXPERT
     };
 }
 

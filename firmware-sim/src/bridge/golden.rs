@@ -76,7 +76,7 @@ fn the_document_names_the_version_that_the_code_speaks() {
 
 #[test]
 fn the_greeting_is_the_document_s() {
-    assert_eq!(golden()["hello"], frame::hello(2));
+    assert_eq!(golden()["hello"], frame::hello(3));
     let other: [u8; HELLO_LEN] = frame::hello(7);
     assert_eq!(frame::check_hello(&other), Ok(7));
 }
@@ -101,7 +101,13 @@ fn requests_are_the_document_s() {
     assert_eq!(golden["step"], framed(kind::STEP, 3, &action));
     let job = EpisodeJob {
         task: "not on the wire".to_owned(),
-        behaviour: Behaviour::PAPER_EPSILON,
+        behaviour: Behaviour {
+            push: [0.25, -0.5, 0.0, 1.0],
+            drift_std: 0.4,
+            drift_correlation: 0.98,
+            purpose: 1,
+            ..Behaviour::PAPER_EPSILON
+        },
         seed: 0xDEAD_BEEF,
         steps: 500,
     };

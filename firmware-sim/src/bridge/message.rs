@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::episode::{Episode, EpisodeJob};
+use super::episode::{Behaviour, Episode, EpisodeJob};
 
 /// The kinds of frames: requests of the parent, and replies of the worker with the high bit set.
 pub mod kind {
@@ -152,11 +152,30 @@ pub fn step(moves: &[Move], out: &mut Vec<u8>) {
 /// The payload of COLLECT.
 #[must_use]
 pub fn collect(job: &EpisodeJob) -> Vec<u8> {
-    let mut payload = Vec::with_capacity(28);
+    let Behaviour {
+        noise_std,
+        epsilon,
+        push: [x, y, z, gripper],
+        drift_std,
+        drift_correlation,
+        purpose,
+    } = job.behaviour;
+    let mut payload = Vec::with_capacity(77);
     payload.extend_from_slice(&job.seed.to_le_bytes());
     payload.extend_from_slice(&job.steps.to_le_bytes());
-    payload.extend_from_slice(&job.behaviour.noise_std.to_le_bytes());
-    payload.extend_from_slice(&job.behaviour.epsilon.to_le_bytes());
+    for number in [
+        noise_std,
+        epsilon,
+        x,
+        y,
+        z,
+        gripper,
+        drift_std,
+        drift_correlation,
+    ] {
+        payload.extend_from_slice(&number.to_le_bytes());
+    }
+    payload.push(purpose);
     payload
 }
 

@@ -46,6 +46,11 @@ fn a_session_tells_a_request_that_makes_no_sense_from_a_simulator_that_fails() {
 }
 
 #[test]
+fn a_recorded_episode_is_made_worse_as_its_behaviour_says() {
+    passes(ENVIRONMENT.python(), "test_collect.py");
+}
+
+#[test]
 fn both_engines_play_all_tasks_with_the_same_bits() {
     passes(ENVIRONMENT.python(), "test_fast.py");
 }

@@ -21,23 +21,29 @@ Examples:
   ted collect --task drawer-open-v3                 the paper's 50 + 950 episodes
   ted collect --task example10 --workers 2          the ten tasks of the paper's Table 4
   ted collect --task box-close-v3 --episodes 40 --seed 1
+  ted collect --task drawer-open-v3 --recipe drift  noise that is correlated in time
+  ted collect --task drawer-open-v3 --good 5        5 good episodes among 1,000
 
 A stopped collection goes on where it was. The result is a Minari dataset:
   minari.load_dataset(\"ted/drawer-open-v3-paper-s0-v0\")";
 
-/// Record datasets of the paper's recipe on MuJoCo Meta-World
+/// Record datasets on MuJoCo Meta-World: the paper's recipe, or what makes learning harder
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct CollectArgs {
     /// A task such as drawer-open-v3, or a group: example10, all
     #[arg(long)]
     task: String,
-    /// How the actions are made: paper (noisy and mostly random ones) or expert (the scripted policy's own)
+    /// How the actions are made: paper (noisy and mostly random ones), biased (the paper's, all pushed the same way), drift (the
+    /// paper's, with noise that is correlated in time), expert (the scripted policy's own)
     #[arg(long, default_value = "paper")]
     recipe: Recipe,
     /// Episodes for each task; the recipe's own number if not given
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     episodes: Option<u32>,
+    /// Good episodes, which have noise and no random actions; one in twenty if not given
+    #[arg(long)]
+    good: Option<u32>,
     /// Root seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -62,6 +68,7 @@ pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
             task: (*task).to_owned(),
             recipe: args.recipe,
             episodes: args.episodes,
+            good: args.good,
             seed: args.seed,
             workers: workers(args.workers),
             root: args.root.clone().unwrap_or_else(datasets_root),

@@ -1,5 +1,6 @@
 //! Why a collection ended early.
 
+use super::Recipe;
 use crate::dataset::DatasetError;
 use crate::dataset::minari::EpisodeError;
 use firmware_sim::bridge::BridgeError;
@@ -24,6 +25,22 @@ pub enum CollectError {
     /// A dataset of nothing.
     #[error("a dataset needs at least one episode")]
     NoEpisodes,
+    /// More good episodes than there are.
+    #[error("{good} good episodes of {total}: --good counts some of --episodes")]
+    TooManyGood {
+        /// Good ones asked for.
+        good: u32,
+        /// Episodes of the dataset.
+        total: u32,
+    },
+    /// The recipe has no good part.
+    #[error(
+        "the recipe `{recipe}` has no good and bad episodes to choose the number of: leave --good out"
+    )]
+    NoGoodPart {
+        /// The recipe.
+        recipe: Recipe,
+    },
     /// The simulator failed.
     #[error(transparent)]
     Bridge(#[from] BridgeError),
@@ -50,7 +67,11 @@ impl CollectError {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Task(_) | Self::Recipe { .. } | Self::NoEpisodes => ExitCode::Usage,
+            Self::Task(_)
+            | Self::Recipe { .. }
+            | Self::NoEpisodes
+            | Self::TooManyGood { .. }
+            | Self::NoGoodPart { .. } => ExitCode::Usage,
             Self::Bridge(error) => error.exit_code(),
             Self::Dataset(_) => ExitCode::BadInput,
             Self::Write(error) => error.exit_code(),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::dataset::Dataset;
-use firmware_sim::bridge::{BridgeError, Episode, Shape as BridgeShape};
+use firmware_sim::bridge::{BridgeError, Episode, EpisodeJob, Shape as BridgeShape};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -93,6 +93,7 @@ fn config(root: &Path) -> CollectConfig {
         task: "drawer-open-v3".into(),
         recipe: Recipe::Paper,
         episodes: Some(30),
+        good: None,
         seed: 7,
         workers: 2,
         root: root.to_path_buf(),
@@ -139,7 +140,7 @@ fn a_collection_is_a_dataset_that_says_how_it_came_about() {
     assert_eq!(engine.keys().collect::<Vec<_>>(), ["machine", "metaworld"]);
     assert_eq!(
         dataset.episodes()[4].seed,
-        Some(config(root.path()).episode_seed(4))
+        Some(Plan::new(&config(root.path())).unwrap().seed(4))
     );
     assert!((report.mix.mean_return - dataset.mean_return_true()).abs() < 1e-12);
     assert_eq!(report.mix.max_return, dataset.max_return_true());
@@ -254,5 +255,78 @@ fn what_cannot_be_collected_is_refused_before_anything_is_written() {
         ..config(root.path())
     };
     assert!(matches!(refuse(&nothing), CollectError::NoEpisodes));
+    let too_good = CollectConfig {
+        good: Some(31),
+        ..config(root.path())
+    };
+    assert_eq!(
+        refuse(&too_good).to_string(),
+        "31 good episodes of 30: --good counts some of --episodes"
+    );
+    let expert = CollectConfig {
+        good: Some(5),
+        recipe: Recipe::Expert,
+        ..config(root.path())
+    };
+    assert!(matches!(refuse(&expert), CollectError::NoGoodPart { .. }));
     assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn every_log_has_a_name_of_its_own() {
+    let id = |recipe, episodes, good| {
+        let config = CollectConfig {
+            recipe,
+            episodes,
+            good,
+            ..config(Path::new("data"))
+        };
+        config.dataset_id().unwrap().to_string()
+    };
+    let named = |name: &str| format!("ted/drawer-open-v3-{name}-s7-v0");
+    assert_eq!(id(Recipe::Paper, None, None), named("paper"));
+    assert_eq!(id(Recipe::Biased, None, None), named("biased"));
+    assert_eq!(id(Recipe::Drift, Some(300), None), named("drift-n300"));
+    assert_eq!(id(Recipe::Paper, None, Some(20)), named("paper-good20"));
+    assert_eq!(
+        id(Recipe::Paper, Some(100), Some(0)),
+        named("paper-good0-n100")
+    );
+    // The recipe's own number is no other log.
+    assert_eq!(id(Recipe::Paper, None, Some(50)), named("paper"));
+}
+
+#[test]
+fn a_log_with_fewer_good_episodes_differs_in_those_alone() {
+    let configs = [None, Some(0)].map(|good| CollectConfig {
+        good,
+        ..config(Path::new("data"))
+    });
+    let [paper, none] = configs.each_ref().map(|config| Plan::new(config).unwrap());
+    for episode in 0..30 {
+        let same = paper.job(episode) == none.job(episode);
+        assert_eq!(same, episode >= 2, "{episode}");
+        assert_eq!(none.job(episode).behaviour.epsilon, 0.8);
+    }
+}
+
+#[test]
+fn an_episode_s_note_says_what_was_added_to_its_actions() {
+    let root = tempfile::tempdir().unwrap();
+    for (recipe, said) in [
+        (Recipe::Biased, "\"push\": ["),
+        (Recipe::Drift, "\"drift_std\": 0.4"),
+    ] {
+        let config = CollectConfig {
+            recipe,
+            ..config(root.path())
+        };
+        let report = run_on(&config, &mut Arithmetic::new(), Audience::Nobody).unwrap();
+        let note = fs::read_to_string(report.folder.join("data/3/metadata.json")).unwrap();
+        assert!(note.contains(said), "{note}");
+        assert_eq!(finished(&config).unwrap().unwrap().parts, report.parts);
+    }
+    let paper = collect(root.path(), &mut Arithmetic::new()).unwrap();
+    let note = fs::read_to_string(paper.folder.join("data/3/metadata.json")).unwrap();
+    assert!(!note.contains("push") && !note.contains("drift"), "{note}");
 }

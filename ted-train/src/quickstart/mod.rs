@@ -125,6 +125,7 @@ impl QuickstartConfig {
             task: self.task.clone(),
             recipe,
             episodes: Some(episodes),
+            good: None,
             seed: self.seed,
             workers: self.workers,
             root: self.out.join("datasets"),

@@ -342,6 +342,7 @@ mod tests {
             part: "all".to_owned(),
             noise_std: 0.0,
             epsilon: 0.0,
+            ..Behaviour::default()
         };
         let id = DatasetId::new("ted", "x", 0).unwrap();
         let writer = DatasetWriter::open(root, id, origin, fixtures::SHAPE).unwrap();

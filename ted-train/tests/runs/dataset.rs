@@ -51,6 +51,7 @@ pub fn write(root: &Path, name: &str, records: &[EpisodeRecord]) -> PathBuf {
             part: "test".into(),
             noise_std: 0.0,
             epsilon: 0.0,
+            ..Behaviour::default()
         };
         writer.write(episode, behaviour, record).unwrap();
     }

@@ -27,8 +27,8 @@ pub struct Origin {
     pub engine: BTreeMap<String, String>,
 }
 
-/// What made the actions of an episode.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// What made the actions of an episode. What is zero in the paper's recipe is left out of the file where it is zero.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Behaviour {
     /// The part of the recipe, such as `noisy`.
     pub part: String,
@@ -36,6 +36,23 @@ pub struct Behaviour {
     pub noise_std: f64,
     /// Probability of a uniformly random action instead.
     pub epsilon: f64,
+    /// Added to every action.
+    #[serde(default, skip_serializing_if = "all_zero")]
+    pub push: [f64; 4],
+    /// Standard deviation of a drift of the hand, added to every action.
+    #[serde(default, skip_serializing_if = "zero")]
+    pub drift_std: f64,
+    /// Correlation of the drift from one step to the next.
+    #[serde(default, skip_serializing_if = "zero")]
+    pub drift_correlation: f64,
+}
+
+fn zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn all_zero(values: &[f64; 4]) -> bool {
+    values.iter().all(zero)
 }
 
 /// What one episode is and came to, kept so that a resumed collection need not open its arrays.

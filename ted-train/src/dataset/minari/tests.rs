@@ -31,6 +31,7 @@ fn behaviour() -> Behaviour {
         part: "noisy".into(),
         noise_std: 0.8,
         epsilon: 0.0,
+        ..Behaviour::default()
     }
 }
 
