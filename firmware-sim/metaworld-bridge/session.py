@@ -13,6 +13,7 @@ import scipy
 from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 import messages
+import pairs
 from collect import Behaviour, collect
 from importlib import metadata
 from fast import FastTask
@@ -83,7 +84,7 @@ class Session:
 
     def __init__(self, link, engine):
         self._link = link
-        self._make = ENGINES[engine]
+        self._engine = ENGINES[engine]
         self._tasks = {}
         self._running = set()
         self._serve = {
@@ -113,12 +114,12 @@ class Session:
 
     def _open(self, payload):
         name = self._parsed(messages.read_text, payload)
-        if name not in ALL_V3_ENVIRONMENTS:
+        if name not in ALL_V3_ENVIRONMENTS and name not in pairs.NAMES:
             raise Refusal(messages.UNKNOWN_TASK, f"metaworld {metadata.version('metaworld')} has no task {name!r}")
         self._running.clear()
         if not self._tasks or self._tasks[0].name != name:
             self._tasks.clear()
-            self._tasks[0] = self._make(name)
+            self._tasks[0] = self._made(name)
         task = self._tasks[0]
         model = task.env.model
         shape = (OBSERVATION, ACTION, model.nq, model.nv, model.nmocap, task.goal.size, task.horizon)
@@ -128,7 +129,7 @@ class Session:
         slot, seed = self._parsed(read_reset, payload)
         name = self._opened().name
         if slot not in self._tasks:
-            self._tasks[slot] = self._make(name)
+            self._tasks[slot] = self._made(name)
         task = self._tasks[slot]
         self._running.discard(slot)
         observation = task.reset(seed)
@@ -159,6 +160,9 @@ class Session:
             raise Refusal(messages.BAD_REQUEST, f"purpose {behaviour.purpose} of a task with {task.purposes}")
         record = collect(task, seed, steps, behaviour)
         return messages.COLLECTED, [messages.EPISODE_STEPS.pack(record.steps), *record.parts()]
+
+    def _made(self, name):
+        return pairs.Pair(name, self._engine) if name in pairs.NAMES else self._engine(name)
 
     def _parsed(self, parse, payload):
         """What is in a payload, apart from the serving: an error of the simulator's is no bad request."""

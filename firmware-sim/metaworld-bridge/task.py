@@ -26,10 +26,11 @@ class Task:
     # How many scripted policies there are to play it.
     purposes = 1
 
-    def __init__(self, name):
+    def __init__(self, name, simulator=None):
+        """`simulator`, a model and its data in their first state, is another task's whose states this one is to look at."""
         environment = ALL_V3_ENVIRONMENTS[name]
         self.name = name
-        self.env = self._build(environment)
+        self.env = self._build(environment, simulator)
         goal_visible = dict(rand_vec=None, env_cls=environment, partially_observable=False)
         self.env.set_task(MetaWorldTask(env_name=name, data=pickle.dumps(goal_visible)))
         self.env.seeded_rand_vec = True
@@ -38,8 +39,10 @@ class Task:
         self._policy = ENV_POLICY_MAP[name]
         self._prepare()
 
-    def _build(self, environment):
+    def _build(self, environment, simulator):
         """The task's environment, as the package makes it."""
+        if simulator is not None:
+            environment = type(environment.__name__, (environment,), {"_initialize_simulation": lambda env: simulator})
         return environment(reward_function_version="v2")
 
     def _prepare(self):
@@ -62,6 +65,12 @@ class Task:
         self.env.seed(seed)
         self.env._freeze_rand_vec = False
         return self._start()
+
+    def draw(self, seed):
+        """What the episode of this seed draws first; a task may refuse it and draw again."""
+        self.env.seed(seed)
+        self.env._freeze_rand_vec = False
+        return self.env._get_state_rand_vec()
 
     def reset_to(self, goal):
         """Starts an episode with a goal that an earlier episode drew."""
@@ -86,3 +95,13 @@ class Task:
         """One control period: (observation in float64, reward, success, terminated, truncated)."""
         observation, reward, terminated, truncated, info = self.env.step(action)
         return observation, reward, info["success"] == 1.0, terminated, truncated
+
+    def look(self):
+        """The observation of the simulator's present state, whoever brought it there."""
+        env = self.env
+        return np.clip(env._get_obs(), env.sawyer_observation_space.low, env.sawyer_observation_space.high)
+
+    def judge(self, observation, action):
+        """Reward and success of the simulator's present state, seen like this, after this action."""
+        reward, info = self.env.evaluate_state(observation, action)
+        return reward, info["success"] == 1.0

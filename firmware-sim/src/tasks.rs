@@ -1,4 +1,5 @@
-//! The names of the 50 Meta-World tasks, the groups of them, and what was probably meant by a name that is none.
+//! The names of the 50 Meta-World tasks, of the scenes that two of them share, the groups of both, and what was probably meant by a
+//! name that is none.
 
 use thiserror::Error;
 
@@ -70,14 +71,32 @@ pub const EXAMPLE_10: [&str; 10] = [
     "sweep-into-v3",
 ];
 
+/// The tasks of two intentions: each is a scene that two scripted policies play, each after its own goal, with the reward of the
+/// first or the second one. The goal is not visible. `firmware-sim/metaworld-bridge/pairs.py` says which tasks these are.
+pub const TWO_INTENTIONS: [&str; 8] = [
+    "faucet-open_faucet-close_first",
+    "faucet-open_faucet-close_second",
+    "plate-slide-side_plate-slide_first",
+    "plate-slide-side_plate-slide_second",
+    "push-left_push-right_first",
+    "push-left_push-right_second",
+    "reach-left_reach-right_first",
+    "reach-left_reach-right_second",
+];
+
 /// The names of the groups, with their tasks.
-pub const GROUPS: [(&str, &[&str]); 2] = [("example10", &EXAMPLE_10), ("all", &ALL)];
+pub const GROUPS: [(&str, &[&str]); 3] = [
+    ("example10", &EXAMPLE_10),
+    ("all", &ALL),
+    ("two-intentions", &TWO_INTENTIONS),
+];
 
 /// A name that does not name what is wanted.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum TaskError {
     /// It is neither a task nor a group.
-    #[error("there is no task {name:?}{}: a task is one of the 50 of Meta-World v3, or a group: example10, all", near(.suggestions))]
+    #[error("there is no task {name:?}{}: a task is one of the 50 of Meta-World v3, one of two \
+             intentions such as faucet-open_faucet-close_first, or a group: example10, all, two-intentions", near(.suggestions))]
     Unknown {
         /// What was asked for.
         name: String,
@@ -104,10 +123,18 @@ pub fn resolve(name: &str) -> Result<&'static [&'static str], TaskError> {
     if let Some((_, tasks)) = GROUPS.iter().find(|(group, _)| *group == name) {
         return Ok(tasks);
     }
-    match ALL.iter().position(|task| *task == name) {
-        Some(index) => Ok(&ALL[index..=index]),
-        None => Err(unknown(name)),
-    }
+    [&ALL[..], &TWO_INTENTIONS]
+        .into_iter()
+        .flat_map(|tasks| tasks.chunks(1))
+        .find(|task| task == &[name])
+        .ok_or_else(|| unknown(name))
+}
+
+/// The scene of a task of two intentions, which it shares with the task of the other one's reward; none for Meta-World's own.
+#[must_use]
+pub fn scene(task: &str) -> Option<&str> {
+    let (scene, _) = task.rsplit_once('_')?;
+    TWO_INTENTIONS.contains(&task).then_some(scene)
 }
 
 /// The one task of this name.
@@ -133,6 +160,7 @@ fn unknown(name: &str) -> TaskError {
     let stem = stem(&wanted);
     let mut near: Vec<(usize, &'static str)> = ALL
         .into_iter()
+        .chain(TWO_INTENTIONS)
         .chain(GROUPS.map(|(group, _)| group))
         .map(|candidate| (distance(stem, self::stem(candidate)), candidate))
         .filter(|(distance, candidate)| {
@@ -198,6 +226,9 @@ mod tests {
             assert_eq!(resolve(task), Ok(&[task][..]));
         }
         assert_eq!(resolve("all").map(<[_]>::len), Ok(50));
+        for task in TWO_INTENTIONS {
+            assert_eq!(resolve(task), Ok(&[task][..]));
+        }
         assert!(
             resolve("example10").is_ok_and(|tasks| tasks.iter().all(|task| ALL.contains(task)))
         );
@@ -205,6 +236,20 @@ mod tests {
         assert!(
             refused.starts_with("all is a group of 50 tasks"),
             "{refused}"
+        );
+    }
+
+    #[test]
+    fn both_tasks_of_a_scene_name_it_and_meta_world_s_own_have_none() {
+        for pair in TWO_INTENTIONS.chunks(2) {
+            let scene = scene(pair[0]).unwrap();
+            assert_eq!(pair, [format!("{scene}_first"), format!("{scene}_second")]);
+        }
+        assert!(ALL.iter().all(|task| scene(task).is_none()));
+        assert_eq!(scene("push-left_push-right_third"), None);
+        assert_eq!(
+            suggestions("faucet-open_faucet-close").first(),
+            Some(&"faucet-open_faucet-close_first")
         );
     }
 

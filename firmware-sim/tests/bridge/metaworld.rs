@@ -12,6 +12,7 @@ use firmware_sim::bridge::{
 use firmware_sim::plant::{Plant, PlantError};
 use firmware_sim::plants::metaworld::MetaWorldPlant;
 use firmware_sim::progress::Audience;
+use firmware_sim::tasks::TWO_INTENTIONS;
 
 use crate::fake::bridge;
 use crate::python::passes;
@@ -48,6 +49,34 @@ fn a_session_tells_a_request_that_makes_no_sense_from_a_simulator_that_fails() {
 #[test]
 fn a_recorded_episode_is_made_worse_as_its_behaviour_says() {
     passes(ENVIRONMENT.python(), "test_collect.py");
+}
+
+#[test]
+fn two_intentions_in_one_scene_see_the_same_episodes_and_no_goal() {
+    passes(ENVIRONMENT.python(), "test_pairs.py");
+}
+
+#[test]
+fn a_flight_of_two_intentions_sees_no_goal_and_gets_one_s_reward() {
+    let flown = TWO_INTENTIONS.map(|task| {
+        let mut worker = worker();
+        worker.open(task).expect("the task exists");
+        let (first, _) = worker.reset(0, 3).expect("an episode starts");
+        let step = worker.step(&[0.5, 0.5, -0.5, 0.0]).expect("a step");
+        for observation in [&first, &step.observation] {
+            assert_eq!(observation[36..], [0.0; 3], "{task}");
+        }
+        (first, step)
+    });
+    let mut told_apart = 0;
+    for [(one, first), (other, second)] in flown.as_chunks::<2>().0 {
+        assert_eq!((one, &first.observation), (other, &second.observation));
+        told_apart += u32::from(first.reward != second.reward);
+    }
+    assert_eq!(
+        told_apart, 3,
+        "a push is worth the same until it moves something"
+    );
 }
 
 #[test]

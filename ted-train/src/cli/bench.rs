@@ -40,6 +40,14 @@ pub(super) struct BenchArgs {
 
 pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let task = tasks::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
+    if tasks::scene(task).is_some() {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "{task} is no task of the package, which the simulator is compared with: name one that is"
+            ),
+        ));
+    }
     let config = BenchConfig {
         updates: args.steps,
         repetitions: args.repetitions,

@@ -22,6 +22,7 @@ Examples:
   ted collect --task example10 --workers 2          the ten tasks of the paper's Table 4
   ted collect --task box-close-v3 --episodes 40 --seed 1
   ted collect --task drawer-open-v3 --recipe drift  noise that is correlated in time
+  ted collect --task faucet-open_faucet-close_first two intentions in one log, the first one's reward
   ted collect --task drawer-open-v3 --good 5        5 good episodes among 1,000
 
 A stopped collection goes on where it was. The result is a Minari dataset:
@@ -31,7 +32,7 @@ A stopped collection goes on where it was. The result is a Minari dataset:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct CollectArgs {
-    /// A task such as drawer-open-v3, or a group: example10, all
+    /// A task such as drawer-open-v3, or a group: example10, all, two-intentions
     #[arg(long)]
     task: String,
     /// How the actions are made: paper (noisy and mostly random ones), biased (the paper's, all pushed the same way), drift (the
@@ -100,13 +101,13 @@ fn text(report: &CollectReport) -> String {
     let mut lines = vec![
         format!("{}  {}", report.dataset, report.folder.display()),
         format!(
-            "{:<12} {:>9} {:>12} {:>12} {:>9}",
+            "{:<14} {:>9} {:>12} {:>12} {:>9}",
             "part", "episodes", "mean return", "max return", "success"
         ),
     ];
     for part in report.parts.iter().chain([&report.mix]) {
         lines.push(format!(
-            "{:<12} {:>9} {:>12.1} {:>12.1} {:>9.3}",
+            "{:<14} {:>9} {:>12.1} {:>12.1} {:>9.3}",
             part.part, part.episodes, part.mean_return, part.max_return, part.success_rate
         ));
     }

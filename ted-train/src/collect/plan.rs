@@ -8,12 +8,15 @@ use firmware_sim::bridge::EpisodeJob;
 use firmware_sim::tasks;
 use std::path::PathBuf;
 
-const GOAL_POLICY: &str = "visible, drawn per episode from its seed";
+const VISIBLE: &str = "visible, drawn per episode from its seed";
+const HIDDEN: &str = "hidden, one of two that take turns";
 const REWARD_VERSION: &str = "v2";
 
 /// The episodes of a dataset.
 pub(super) struct Plan<'a> {
     config: &'a CollectConfig,
+    /// What a task of two intentions shares with the other one.
+    scene: Option<&'a str>,
     pub id: DatasetId,
     /// How many episodes.
     pub total: u32,
@@ -30,6 +33,7 @@ impl<'a> Plan<'a> {
         if total == 0 {
             return Err(CollectError::NoEpisodes);
         }
+        let scene = tasks::scene(task);
         let own = recipe.default_good(total);
         let (good, recipe) = match (config.good, own) {
             (Some(_), None) => return Err(CollectError::NoGoodPart { recipe }),
@@ -46,6 +50,7 @@ impl<'a> Plan<'a> {
         let name = format!("{task}-{recipe}{episodes}-s{}", config.seed);
         Ok(Self {
             config,
+            scene,
             id: DatasetId::new(NAMESPACE, &name, 0)?,
             total,
             good,
@@ -57,16 +62,23 @@ impl<'a> Plan<'a> {
         self.id.folder(&self.config.root)
     }
 
-    /// Whatever the number of good episodes, an episode has its luck: a log with fewer differs in the others alone.
+    /// Whatever the number of good episodes, an episode has its luck: a log with fewer differs in the others alone. Whoever
+    /// rewards a scene of two intentions, it is the same episode.
     pub fn seed(&self, episode: u32) -> u64 {
         let CollectConfig { task, recipe, .. } = self.config;
+        let task = self.scene.unwrap_or(task);
         Seed::root(self.config.seed)
             .child(&format!("collect/{task}/{recipe}/{episode}"))
             .value()
     }
 
+    /// Two intentions take turns.
     fn played(&self, episode: u32) -> Played {
-        self.config.recipe.played(episode, self.good)
+        let played = self.config.recipe.played(episode, self.good);
+        match self.scene {
+            None => played,
+            Some(_) => played.after((episode % 2) as u8),
+        }
     }
 
     /// What is noted beside an episode about its behaviour.
@@ -96,7 +108,12 @@ impl<'a> Plan<'a> {
             recipe: self.recipe.clone(),
             seed: self.config.seed,
             episodes: self.total,
-            goal: GOAL_POLICY.into(),
+            goal: if self.scene.is_some() {
+                HIDDEN
+            } else {
+                VISIBLE
+            }
+            .into(),
             reward: REWARD_VERSION.into(),
             engine,
         }

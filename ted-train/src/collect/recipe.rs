@@ -61,11 +61,11 @@ impl Recipe {
     /// What makes the actions of `episode` in a dataset whose first `good` episodes are the good ones.
     pub(super) fn played(self, episode: u32, good: u32) -> Played {
         let noisy = Played {
-            part: "noisy",
+            part: "noisy".into(),
             behaviour: Behaviour::PAPER_NOISY,
         };
         let epsilon = Played {
-            part: "epsilon",
+            part: "epsilon".into(),
             behaviour: Behaviour::PAPER_EPSILON,
         };
         let paper = if episode < good { noisy } else { epsilon };
@@ -77,7 +77,7 @@ impl Recipe {
                 behaviour.drift_correlation = DRIFT_CORRELATION;
             }),
             Self::Expert => Played {
-                part: "expert",
+                part: "expert".into(),
                 behaviour: Behaviour::EXPERT,
             },
         }
@@ -87,7 +87,7 @@ impl Recipe {
 /// How an episode is played, and the part of the recipe that it belongs to.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Played {
-    pub part: &'static str,
+    pub part: String,
     pub behaviour: Behaviour,
 }
 
@@ -95,6 +95,13 @@ impl Played {
     fn with(mut self, change: impl FnOnce(&mut Behaviour)) -> Self {
         change(&mut self.behaviour);
         self
+    }
+
+    /// The same after one of a task's two purposes.
+    pub fn after(mut self, purpose: u8) -> Self {
+        self.part
+            .push_str(if purpose == 0 { "-first" } else { "-second" });
+        self.with(|behaviour| behaviour.purpose = purpose)
     }
 
     /// As it is noted beside the episode.
@@ -105,15 +112,16 @@ impl Played {
             push,
             drift_std,
             drift_correlation,
-            purpose: _,
+            purpose,
         } = self.behaviour;
         minari::Behaviour {
-            part: self.part.into(),
+            part: self.part.clone(),
             noise_std,
             epsilon,
             push,
             drift_std,
             drift_correlation,
+            purpose,
         }
     }
 }

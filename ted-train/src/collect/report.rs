@@ -13,7 +13,7 @@ pub struct CollectReport {
     pub folder: PathBuf,
     /// Episodes recorded by this run; the others were there before.
     pub collected: usize,
-    /// Each part of the recipe, such as `noisy`, in the order of the episodes.
+    /// Each part of the recipe, such as `noisy`, in the order of their first episodes.
     pub parts: Vec<PartReport>,
     /// All episodes together.
     pub mix: PartReport,
@@ -42,22 +42,30 @@ impl CollectReport {
         collected: usize,
         notes: Vec<EpisodeNote>,
     ) -> Self {
-        let parts = notes
-            .chunk_by(|one, next| one.behaviour.part == next.behaviour.part)
-            .map(|notes| PartReport::new(&notes[0].behaviour.part, notes))
+        let mut parts: Vec<(&str, Vec<&EpisodeNote>)> = Vec::new();
+        for note in &notes {
+            let name = note.behaviour.part.as_str();
+            match parts.iter_mut().find(|(part, _)| *part == name) {
+                Some((_, members)) => members.push(note),
+                None => parts.push((name, vec![note])),
+            }
+        }
+        let parts = parts
+            .into_iter()
+            .map(|(part, notes)| PartReport::new(part, &notes))
             .collect();
         Self {
             dataset,
             folder,
             collected,
             parts,
-            mix: PartReport::new("mix", &notes),
+            mix: PartReport::new("mix", &notes.iter().collect::<Vec<_>>()),
         }
     }
 }
 
 impl PartReport {
-    fn new(part: &str, notes: &[EpisodeNote]) -> Self {
+    fn new(part: &str, notes: &[&EpisodeNote]) -> Self {
         let count = notes.len() as f64;
         Self {
             part: part.into(),

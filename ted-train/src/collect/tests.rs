@@ -330,3 +330,55 @@ fn an_episode_s_note_says_what_was_added_to_its_actions() {
     let note = fs::read_to_string(paper.folder.join("data/3/metadata.json")).unwrap();
     assert!(!note.contains("push") && !note.contains("drift"), "{note}");
 }
+
+#[test]
+fn two_intentions_take_turns_and_both_rewards_are_of_the_same_episodes() {
+    let [first, second] = ["first", "second"].map(|judge| CollectConfig {
+        task: format!("push-left_push-right_{judge}"),
+        episodes: Some(100),
+        ..config(Path::new("data"))
+    });
+    assert_eq!(
+        first.dataset_id().unwrap().to_string(),
+        "ted/push-left_push-right_first-paper-n100-s7-v0"
+    );
+    let [first, second] = [&first, &second].map(|config| Plan::new(config).unwrap());
+    let mut parts = BTreeMap::new();
+    for episode in 0..100 {
+        let (one, other) = (first.job(episode), second.job(episode));
+        assert_eq!((one.seed, one.behaviour), (other.seed, other.behaviour));
+        assert_eq!(u32::from(one.behaviour.purpose), episode % 2);
+        *parts.entry(first.behaviour(episode).part).or_insert(0) += 1;
+    }
+    let expected = [
+        ("epsilon-first", 47),
+        ("epsilon-second", 48),
+        ("noisy-first", 3),
+        ("noisy-second", 2),
+    ];
+    let expected = expected.map(|(part, count)| (part.to_owned(), count));
+    assert_eq!(parts, BTreeMap::from(expected));
+    assert!(first.origin("").goal.starts_with("hidden"));
+}
+
+#[test]
+fn parts_that_take_turns_are_reported_once_each() {
+    let root = tempfile::tempdir().unwrap();
+    let config = CollectConfig {
+        task: "reach-left_reach-right_second".into(),
+        ..config(root.path())
+    };
+    let report = run_on(&config, &mut Arithmetic::new(), Audience::Nobody).unwrap();
+    let parts = report.parts.iter();
+    let parts: Vec<_> = parts.map(|it| (it.part.as_str(), it.episodes)).collect();
+    assert_eq!(
+        parts,
+        [
+            ("noisy-first", 1),
+            ("noisy-second", 1),
+            ("epsilon-first", 14),
+            ("epsilon-second", 14)
+        ]
+    );
+    assert_eq!(finished(&config).unwrap().unwrap().parts, report.parts);
+}

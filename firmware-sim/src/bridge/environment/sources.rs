@@ -24,11 +24,12 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 15] = carried!(
+const FILES: [(&str, &str); 16] = carried!(
     "collect.py",
     "fast.py",
     "install.py",
     "messages.py",
+    "pairs.py",
     "parent.py",
     "quick.py",
     "rebound.py",
@@ -134,7 +135,9 @@ mod tests {
         let venv = tempfile::tempdir()?;
         let first = write(venv.path())?;
         assert_eq!(write(venv.path())?, first);
-        assert_eq!(fs::read_to_string(first.join(WORKER))?, FILES[14].1);
+        for (name, text) in FILES {
+            assert_eq!(fs::read_to_string(first.join(name))?, text);
+        }
         assert_eq!(fs::read_dir(venv.path())?.count(), 1);
         Ok(())
     }

@@ -45,6 +45,13 @@ pub struct Behaviour {
     /// Correlation of the drift from one step to the next.
     #[serde(default, skip_serializing_if = "zero")]
     pub drift_correlation: f64,
+    /// Which of the task's purposes was pursued, from 0.
+    #[serde(default, skip_serializing_if = "first")]
+    pub purpose: u8,
+}
+
+fn first(purpose: &u8) -> bool {
+    *purpose == 0
 }
 
 fn zero(value: &f64) -> bool {
