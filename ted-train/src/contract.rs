@@ -1,14 +1,13 @@
 //! What the controller may expect and promise: names, units and ranges of the channels of a dataset.
 
+use firmware_sim::plants::metaworld;
+use firmware_sim::plants::toy::{self, Units};
 use ted_policy::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
 
 use crate::dataset::Dataset;
 
-/// Time between two ticks: Meta-World's 5 simulator steps of 2.5 ms.
-const CONTROL_PERIOD_US: u32 = 12_500;
-
-/// An observation that missed one tick may still be acted on; one that missed two may not.
-const MAX_OBSERVATION_AGE_US: u32 = 2 * CONTROL_PERIOD_US;
+/// An observation that missed one tick may still be acted on; one that missed this many may not.
+const TOO_OLD_TICKS: u32 = 2;
 
 /// A channel may leave the dataset's range by this share of its width ...
 const RANGE_MARGIN: f32 = 0.5;
@@ -22,6 +21,7 @@ const META_WORLD: (usize, usize) = (39, 4);
 /// Owned names and ranges, from which the artefact's contract borrows.
 pub struct ContractText {
     task: String,
+    period_us: u32,
     observation: Vec<(String, &'static str, f32, f32)>,
     action: Vec<(String, &'static str, SafeAction)>,
 }
@@ -57,8 +57,13 @@ impl ContractText {
                 .map(|i| (format!("action_{i}"), "", SafeAction::Zero))
                 .collect(),
         };
+        let task = dataset.task().unwrap_or("unknown");
         Self {
-            task: dataset.task().unwrap_or("unknown").to_owned(),
+            task: task.to_owned(),
+            period_us: match Units::of_task(task) {
+                Some(_) => toy::CONTROL_PERIOD_US,
+                None => metaworld::CONTROL_PERIOD_US,
+            },
             observation,
             action,
         }
@@ -96,8 +101,8 @@ impl ContractText {
             &self.task,
             &observation,
             &action,
-            CONTROL_PERIOD_US,
-            MAX_OBSERVATION_AGE_US,
+            self.period_us,
+            TOO_OLD_TICKS * self.period_us,
         )
     }
 }

@@ -1,5 +1,5 @@
-//! Evaluation: the policy, flown in Meta-World. What a controller can fly is flown by the controller from its artefact;
-//! there is no second way for it to act. A sequence policy acts from this machine, behind the same checks.
+//! Evaluation: the policy, flown in Meta-World, or on the toy if that is what it was learned from. What a controller can fly is
+//! flown by the controller from its artefact; there is no second way for it to act. A sequence policy acts from this machine, behind the same checks.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -11,6 +11,7 @@ use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
 use firmware_sim::plant::PlantError;
 use firmware_sim::plants::metaworld::MetaWorldPlant;
+use firmware_sim::plants::toy::{ToyPlant, Units};
 use firmware_sim::progress::Audience;
 use firmware_sim::remote::RemoteError;
 use firmware_sim::rollout::{
@@ -205,18 +206,44 @@ fn fly_all<Q: Pilot>(
         ..
     } = *plan;
     let workers = NonZeroUsize::new(plan.workers).unwrap_or(NonZeroUsize::MIN);
-    let task = tasks::single(task.unwrap_or(origin.task))?;
-    let environment = environment::ensure(audience)?.with_engine(engine);
+    let task = task.unwrap_or(origin.task);
+    let toy = Units::of_task(task);
+    let environment = match toy {
+        Some(_) => None,
+        None => {
+            tasks::single(task)?;
+            Some(environment::ensure(audience)?.with_engine(engine))
+        }
+    };
     let progress = audience.start(&format!("fly {task}"), u64::from(episodes), "episodes");
-    let plants = abreast(episodes as usize, workers);
-    let flight = fly_with(
-        make_pilot,
-        || MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link),
-        &episode_seeds(seed, episodes as usize),
-        workers,
-        interrupt::requested,
-        |_| progress.advance(1),
-    )?;
+    let seeds = episode_seeds(seed, episodes as usize);
+    let landed = |_: &EpisodeReport| progress.advance(1);
+    let flight = match environment {
+        None => {
+            let plants = || Ok(vec![ToyPlant::in_units(toy.unwrap_or_default())]);
+            fly_with(
+                make_pilot,
+                plants,
+                &seeds,
+                workers,
+                interrupt::requested,
+                landed,
+            )
+        }
+        Some(environment) => {
+            let plants = abreast(episodes as usize, workers);
+            let plants =
+                || MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link);
+            fly_with(
+                make_pilot,
+                plants,
+                &seeds,
+                workers,
+                interrupt::requested,
+                landed,
+            )
+        }
+    }?;
     progress.finish();
     let summary = Summary::of(&flight.episodes);
     Ok(Evaluation {

@@ -14,7 +14,7 @@ use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::plants::fault::FaultPlan;
-use crate::plants::toy::ToyPlant;
+use crate::plants::toy::{ToyPlant, Units};
 use crate::{disk, interrupt};
 
 const EXAMPLES: &str = "\
@@ -99,7 +99,10 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     };
     let (flight, recorded) = match args.plant {
         PlantKind::Metaworld => crew.fly_metaworld()?,
-        PlantKind::Toy => crew.fly_many(|| Ok(vec![ToyPlant::new()]))?,
+        PlantKind::Toy => {
+            let units = Units::of_task(artifact.contract().task).unwrap_or_default();
+            crew.fly_many(|| Ok(vec![ToyPlant::in_units(units)]))?
+        }
         PlantKind::Replay => (crew.fly_recording()?, Ok(())),
     };
     let report = Report {

@@ -1,4 +1,4 @@
-//! `ted collect`: datasets of Meta-World.
+//! `ted collect`: datasets of Meta-World, and of the toy.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -9,9 +9,12 @@ use firmware_sim::bridge::{Engine, environment};
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
+use firmware_sim::plants::toy::Units;
 use firmware_sim::tasks;
 
-use crate::collect::{CollectConfig, CollectReport, Recipe, finished, run as collect};
+use crate::collect::{
+    CollectConfig, CollectReport, Recipe, ToySource, finished, run as collect, run_on,
+};
 
 use super::failures::end;
 use super::locate::datasets_root;
@@ -23,6 +26,7 @@ Examples:
   ted collect --task box-close-v3 --episodes 40 --seed 1
   ted collect --task drawer-open-v3 --recipe drift  noise that is correlated in time
   ted collect --task faucet-open_faucet-close_first two intentions in one log, the first one's reward
+  ted collect --task toy-micrometres                no Meta-World, and numbers of another size
   ted collect --task drawer-open-v3 --good 5        5 good episodes among 1,000
 
 A stopped collection goes on where it was. The result is a Minari dataset:
@@ -32,7 +36,7 @@ A stopped collection goes on where it was. The result is a Minari dataset:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct CollectArgs {
-    /// A task such as drawer-open-v3, or a group: example10, all, two-intentions
+    /// A task such as drawer-open-v3, or a group: example10, all, two-intentions; or toy, toy-micrometres
     #[arg(long)]
     task: String,
     /// How the actions are made: paper (noisy and mostly random ones), biased (the paper's, all pushed the same way), drift (the
@@ -62,11 +66,16 @@ pub(super) struct CollectArgs {
 }
 
 pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
-    let tasks = tasks::resolve(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
+    let tasks = match Units::of_task(&args.task) {
+        Some(units) => vec![units.task()],
+        None => tasks::resolve(&args.task)
+            .map_err(|e| Failure::new(ExitCode::Usage, e))?
+            .to_vec(),
+    };
     let mut reports = Vec::new();
     for task in tasks {
         let config = CollectConfig {
-            task: (*task).to_owned(),
+            task: task.to_owned(),
             recipe: args.recipe,
             episodes: args.episodes,
             good: args.good,
@@ -74,13 +83,15 @@ pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
             workers: workers(args.workers),
             root: args.root.clone().unwrap_or_else(datasets_root),
         };
-        let report = match finished(&config).map_err(end)? {
-            Some(report) => report,
-            None => {
-                let environment = environment::ensure(args.output.audience())
+        let audience = args.output.audience();
+        let report = match (finished(&config).map_err(end)?, ToySource::of(&config)) {
+            (Some(report), _) => report,
+            (None, Some(mut toy)) => run_on(&config, &mut toy, audience).map_err(end)?,
+            (None, None) => {
+                let environment = environment::ensure(audience)
                     .map_err(end)?
                     .with_engine(args.engine);
-                collect(&config, &environment, args.output.audience()).map_err(end)?
+                collect(&config, &environment, audience).map_err(end)?
             }
         };
         reports.push(report);

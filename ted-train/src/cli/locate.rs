@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
+use firmware_sim::plants::toy::Units;
 use firmware_sim::tasks;
 
 use crate::collect::NAMESPACE;
@@ -135,7 +136,7 @@ pub(super) fn dataset_path(name: &str) -> PathBuf {
     let path = Path::new(name);
     if path.exists() {
         path.to_path_buf()
-    } else if tasks::single(name).is_ok() {
+    } else if tasks::single(name).is_ok() || Units::of_task(name).is_some() {
         datasets_root()
             .join(NAMESPACE)
             .join(format!("{name}-paper-s0-v0"))

@@ -41,6 +41,12 @@ pub enum CollectError {
         /// The recipe.
         recipe: Recipe,
     },
+    /// The toy has no such scripted noise.
+    #[error("the recipe `{recipe}` is Meta-World's: the toy has paper and expert")]
+    NotTheToy {
+        /// The recipe.
+        recipe: Recipe,
+    },
     /// The simulator failed.
     #[error(transparent)]
     Bridge(#[from] BridgeError),
@@ -71,6 +77,7 @@ impl CollectError {
             | Self::Recipe { .. }
             | Self::NoEpisodes
             | Self::TooManyGood { .. }
+            | Self::NotTheToy { .. }
             | Self::NoGoodPart { .. } => ExitCode::Usage,
             Self::Bridge(error) => error.exit_code(),
             Self::Dataset(_) => ExitCode::BadInput,

@@ -1,4 +1,4 @@
-//! Collects Meta-World datasets: scripted policies made worse by a recipe, recorded as Minari datasets.
+//! Collects datasets of Meta-World, and of the toy: scripted policies made worse by a recipe, recorded as Minari datasets.
 //!
 //! Episode `i` is a function of (task, recipe, root seed, `i`) and each episode is on the disk before it counts. So neither the
 //! number of workers nor a kill half-way shows in the bytes, and running again fills only what is missing.
@@ -9,11 +9,13 @@ mod recipe;
 mod record;
 mod report;
 mod source;
+mod toy;
 
 pub use error::CollectError;
 pub use recipe::Recipe;
 pub use report::{CollectReport, PartReport};
 pub use source::{BridgeSource, EpisodeSource};
+pub use toy::ToySource;
 
 use crate::dataset::Shape;
 use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin};
@@ -123,7 +125,7 @@ pub fn run_on(
     let plan = Plan::new(config)?;
     let total = plan.total;
     let origin = plan.origin(&source.versions()?);
-    let writer = DatasetWriter::open(&config.root, plan.id.clone(), origin, SHAPE)?;
+    let writer = DatasetWriter::open(&config.root, plan.id.clone(), origin, plan.shape())?;
 
     let mut notes: Vec<Option<EpisodeNote>> = (0..total)
         .map(|i| writer.kept(i, plan.seed(i), &plan.behaviour(i)))

@@ -1,22 +1,26 @@
 //! What a configuration comes to: which episodes, under which name. Whoever has a plan has numbers that make sense.
 
 use super::recipe::Played;
-use super::{CollectConfig, CollectError, EPISODE_STEPS, NAMESPACE};
+use super::{CollectConfig, CollectError, EPISODE_STEPS, NAMESPACE, Recipe, SHAPE};
+use crate::dataset::Shape;
 use crate::dataset::minari::{Behaviour, DatasetId, Origin};
 use crate::rng::Seed;
 use firmware_sim::bridge::EpisodeJob;
+use firmware_sim::plants::toy::{self, Units};
 use firmware_sim::tasks;
 use std::path::PathBuf;
 
 const VISIBLE: &str = "visible, drawn per episode from its seed";
 const HIDDEN: &str = "hidden, one of two that take turns";
 const REWARD_VERSION: &str = "v2";
+const TOY_REWARD: &str = "toy";
 
 /// The episodes of a dataset.
 pub(super) struct Plan<'a> {
     config: &'a CollectConfig,
     /// What a task of two intentions shares with the other one.
     scene: Option<&'a str>,
+    toy: Option<Units>,
     pub id: DatasetId,
     /// How many episodes.
     pub total: u32,
@@ -28,10 +32,17 @@ pub(super) struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     pub fn new(config: &'a CollectConfig) -> Result<Self, CollectError> {
-        let task = tasks::single(&config.task)?;
+        let toy = Units::of_task(&config.task);
+        let task = match toy {
+            Some(units) => units.task(),
+            None => tasks::single(&config.task)?,
+        };
         let (recipe, total) = (config.recipe, config.episode_count());
         if total == 0 {
             return Err(CollectError::NoEpisodes);
+        }
+        if toy.is_some() && matches!(recipe, Recipe::Biased | Recipe::Drift) {
+            return Err(CollectError::NotTheToy { recipe });
         }
         let scene = tasks::scene(task);
         let own = recipe.default_good(total);
@@ -51,11 +62,19 @@ impl<'a> Plan<'a> {
         Ok(Self {
             config,
             scene,
+            toy,
             id: DatasetId::new(NAMESPACE, &name, 0)?,
             total,
             good,
             recipe,
         })
+    }
+
+    pub fn shape(&self) -> Shape {
+        match self.toy {
+            Some(_) => super::toy::SHAPE,
+            None => SHAPE,
+        }
     }
 
     pub fn folder(&self) -> PathBuf {
@@ -91,7 +110,10 @@ impl<'a> Plan<'a> {
             task: self.config.task.clone(),
             behaviour: self.played(episode).behaviour,
             seed: self.seed(episode),
-            steps: EPISODE_STEPS,
+            steps: match self.toy {
+                Some(_) => toy::EPISODE_STEPS,
+                None => EPISODE_STEPS,
+            },
         }
     }
 
@@ -114,7 +136,12 @@ impl<'a> Plan<'a> {
                 VISIBLE
             }
             .into(),
-            reward: REWARD_VERSION.into(),
+            reward: if self.toy.is_some() {
+                TOY_REWARD
+            } else {
+                REWARD_VERSION
+            }
+            .into(),
             engine,
         }
     }

@@ -16,13 +16,15 @@ pub(super) fn from_bridge(seed: u64, episode: Episode) -> EpisodeRecord {
         width: values.len() / rows,
         values,
     };
-    let infos = vec![
+    let infos = [
         column("qpos", episode.qpos),
         column("qvel", episode.qvel),
         column("mocap_pos", episode.mocap_pos),
         column("mocap_quat", episode.mocap_quat),
         column("goal", episode.goal.repeat(rows)),
     ];
+    // The toy has none of them.
+    let infos = infos.into_iter().filter(|info| info.width > 0).collect();
     EpisodeRecord {
         seed: Some(seed),
         observations: episode.observations,

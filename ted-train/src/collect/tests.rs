@@ -382,3 +382,36 @@ fn parts_that_take_turns_are_reported_once_each() {
     );
     assert_eq!(finished(&config).unwrap().unwrap().parts, report.parts);
 }
+
+#[test]
+fn the_toy_is_collected_without_a_simulator_and_the_same_again() {
+    let [one, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let reports = [&one, &other].map(|root| {
+        let config = CollectConfig {
+            task: "toy-micrometres".into(),
+            ..config(root.path())
+        };
+        let mut toy = ToySource::of(&config).unwrap();
+        run_on(&config, &mut toy, Audience::Nobody).unwrap()
+    });
+    assert_eq!(reports[0].dataset, "ted/toy-micrometres-paper-n30-s7-v0");
+    assert_eq!(tree(&reports[0].folder), tree(&reports[1].folder));
+    let dataset = Dataset::open(&reports[0].folder).unwrap();
+    assert_eq!((dataset.observation_dim(), dataset.action_dim()), (5, 3));
+    assert_eq!((dataset.episodes().len(), dataset.step_count()), (30, 3000));
+    assert!(dataset.observation_statistics().max[0] > 1e5);
+    let [noisy, epsilon] = &reports[0].parts[..] else {
+        panic!("{:?}", reports[0].parts)
+    };
+    assert!(noisy.mean_return > epsilon.mean_return);
+
+    let drifting = CollectConfig {
+        task: "toy".into(),
+        recipe: Recipe::Drift,
+        ..config(one.path())
+    };
+    let error = ToySource::of(&drifting)
+        .map(|mut toy| run_on(&drifting, &mut toy, Audience::Nobody).unwrap_err());
+    assert!(matches!(error, Some(CollectError::NotTheToy { .. })));
+    assert!(ToySource::of(&config(one.path())).is_none());
+}

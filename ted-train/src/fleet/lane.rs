@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use firmware_sim::bridge::Engine;
 use firmware_sim::controller::Numeric;
+use firmware_sim::plants::toy::Units;
 use firmware_sim::progress::Audience;
 use firmware_sim::{interrupt, tasks};
 use serde::Serialize;
@@ -145,9 +146,10 @@ impl Begun<'_> {
         };
         let episodes = self.lane.config.schedule.evaluation_episodes;
         let task = self.dataset.task();
-        let simulated = task.is_some_and(|task| tasks::single(task).is_ok());
+        let simulated =
+            task.is_some_and(|task| tasks::single(task).is_ok() || Units::of_task(task).is_some());
         if episodes > 0 && !simulated {
-            audience.note("not flown: the dataset is of no Meta-World task");
+            audience.note("not flown: the dataset is of no Meta-World task, and not of the toy");
         }
         let evaluation = match episodes > 0 && simulated {
             true => {

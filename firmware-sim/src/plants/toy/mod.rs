@@ -5,10 +5,14 @@
 //! | `x`, `y` | [-1, 1] | | `move_x`, `move_y` | [-1, 1] | moves by a twentieth of it |
 //! | `goal_x`, `goal_y` | [-1, 1] | | `gripper` | [-1, 1] | opens or closes to it at once |
 //! | `gripper` | [-1, 1] | | | | |
+//!
+//! In other [`Units`] the ranges of the observation are others.
 
 mod policy;
+mod units;
 
 pub use policy::{ToyError, artifact_bytes, artifact_spec};
+pub use units::Units;
 
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
 use crate::splitmix::{fraction, mix};
@@ -30,6 +34,7 @@ const CLOSED: f32 = 0.5;
 /// The toy. Its episodes are functions of the seed and the actions.
 #[derive(Clone, Debug, Default)]
 pub struct ToyPlant {
+    units: Units,
     episode: Option<Episode>,
 }
 
@@ -46,6 +51,15 @@ impl ToyPlant {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A toy that reports in other units.
+    #[must_use]
+    pub fn in_units(units: Units) -> Self {
+        Self {
+            units,
+            episode: None,
+        }
     }
 }
 
@@ -71,7 +85,9 @@ impl Plant for ToyPlant {
         let stamp_us = self.now_us();
         let episode = self.episode.as_ref().ok_or(PlantError::NoEpisode)?;
         let ([x, y], [goal_x, goal_y]) = (episode.point, episode.goal);
-        let values = vec![x, y, goal_x, goal_y, episode.gripper];
+        let plain = [x, y, goal_x, goal_y, episode.gripper];
+        let scaled = plain.iter().zip(self.units.scale());
+        let values = scaled.map(|(value, scale)| value * scale).collect();
         Ok(Observed {
             sequence: episode.step,
             stamp_us,
@@ -137,6 +153,21 @@ mod tests {
             assert_eq!(plant.apply(&[0.0; 3]).unwrap().done, step == EPISODE_STEPS);
         }
         assert!(matches!(plant.apply(&[0.0; 3]), Err(PlantError::NoEpisode)));
+    }
+
+    #[test]
+    fn other_units_change_what_is_seen_and_nothing_else() {
+        let mut plants = Units::ALL.map(ToyPlant::in_units);
+        let [table, micrometres] = plants.each_mut().map(|plant| {
+            plant.reset(3).unwrap();
+            let outcome = plant.apply(&[0.5, -0.5, 0.75]).unwrap();
+            (outcome, plant.observe().unwrap().values)
+        });
+        assert_eq!(table.0, micrometres.0);
+        assert_eq!((table.1[4], micrometres.1[4]), (0.75, 75.0));
+        assert_eq!(table.1[0] * 500_000.0, micrometres.1[0]);
+        assert_eq!(Units::of_task("toy-micrometres"), Some(Units::Micrometres));
+        assert_eq!(Units::of_task("toy-reach"), None);
     }
 
     #[test]

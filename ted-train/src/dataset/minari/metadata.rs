@@ -219,8 +219,18 @@ pub(super) fn dataset_metadata(
         algorithm_name: format!("scripted policy, recipe {}", origin.recipe),
         code_permalink: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
         description: format!(
-            "Meta-World {}: {} episodes of the recipe `{}` from root seed {}; goal {}, reward {}.",
-            origin.task, origin.episodes, origin.recipe, origin.seed, origin.goal, origin.reward
+            "{}{}: {} episodes of the recipe `{}` from root seed {}; goal {}, reward {}.",
+            if origin.engine.contains_key("toy") {
+                ""
+            } else {
+                "Meta-World "
+            },
+            origin.task,
+            origin.episodes,
+            origin.recipe,
+            origin.seed,
+            origin.goal,
+            origin.reward
         ),
         ted: OriginAndStatus {
             status: "complete".into(),
