@@ -96,7 +96,7 @@ fn look_text(look: &LookText) -> String {
     }
     let competence = look.descriptors.first().map_or(0.0, |it| it.reliability);
     let verdict = if competence < 0.5 {
-        "The halves of an episode do not agree on how competent it is: nothing is believed of it beforehand, and answers decide."
+        "The halves of an episode do not agree on how competent it is: little is believed of it beforehand, and answers decide."
     } else {
         "Episodes differ in how far they go the way that all go. Before anybody answers, those that go further are held to be better."
     };

@@ -200,7 +200,7 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
         return Err(Failure::new(
             ExitCode::Usage,
             format_args!(
-                "--preferences are answers, and the preset {} asks nothing: leave them out, or choose one of oprl*, pt* or oppo",
+                "--preferences are answers, and the preset {} asks nothing: leave them out, or choose one of steer, oprl*, pt* or oppo",
                 config.preset.name()
             ),
         ));
