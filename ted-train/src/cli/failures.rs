@@ -99,6 +99,7 @@ impl Ends for TrainError {
             Self::Learn(
                 LearnError::Segment(_) | LearnError::TooFewEpisodes | LearnError::Foreign(_),
             )
+            | Self::SameRewards { .. }
             | Self::Transport(_)
             | Self::Filter(_)
             | Self::Discount(_)
@@ -209,7 +210,6 @@ impl Ends for QuickstartError {
             Self::Config(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
-            Self::Preference(error) => error.exit_code(),
             Self::Train(error) => error.exit_code(),
             Self::Evaluate(error) => error.exit_code(),
             Self::Crosscheck(error) => error.exit_code(),

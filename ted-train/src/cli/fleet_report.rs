@@ -5,24 +5,27 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::failures::Ends;
+use super::run_report::Sure;
 use super::table::{Align, Table};
 use crate::evaluate::Evaluation;
 use crate::fleet::{Lane, LaneError, Trained};
 
 /// Every run, in the order in which they were planned.
 #[derive(Debug, Serialize)]
-pub(super) struct FleetReport {
-    runs: Vec<RunReport>,
+pub(super) struct FleetReport<'t> {
+    runs: Vec<Run<'t>>,
 }
 
 /// One run.
 #[derive(Debug, Serialize)]
-struct RunReport {
+struct Run<'t> {
     folder: PathBuf,
     preset: &'static str,
     seed: u64,
     artefact: Option<PathBuf>,
     evaluation: Option<Evaluation>,
+    #[serde(flatten)]
+    sure: Option<Sure<'t>>,
     failure: Option<RunFailure>,
 }
 
@@ -33,14 +36,15 @@ struct RunFailure {
     exit_code: u8,
 }
 
-impl FleetReport {
-    pub(super) fn of(lanes: &[Lane], ends: &[Result<Trained, LaneError>]) -> Self {
-        let runs = lanes.iter().zip(ends).map(|(lane, end)| RunReport {
+impl<'t> FleetReport<'t> {
+    pub(super) fn of(lanes: &[Lane], ends: &'t [Result<Trained, LaneError>]) -> Self {
+        let runs = lanes.iter().zip(ends).map(|(lane, end)| Run {
             folder: lane.folder.clone(),
             preset: lane.config.preset.name(),
             seed: lane.config.seed,
             artefact: end.as_ref().ok().and_then(|it| it.artefact.clone()),
             evaluation: end.as_ref().ok().and_then(|it| it.evaluation.clone()),
+            sure: end.as_ref().ok().and_then(Sure::of),
             failure: end.as_ref().err().map(|error| RunFailure {
                 message: error.to_string(),
                 exit_code: error.exit_code().code(),
@@ -74,6 +78,10 @@ impl FleetReport {
                     .map_or_else(String::new, |it| it.message.clone()),
             ]);
         }
-        table.text()
+        let sure = self.runs.iter().filter_map(|run| {
+            let sure = run.sure.as_ref()?;
+            Some(format!("\n{}: {}", run.folder.display(), sure.statement()))
+        });
+        table.text() + &sure.collect::<String>()
     }
 }

@@ -12,6 +12,7 @@ mod inspect;
 mod locate;
 mod presets;
 mod quickstart;
+mod run_report;
 mod seeds;
 mod study;
 mod table;

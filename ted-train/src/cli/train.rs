@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use firmware_sim::exit::ExitCode;
@@ -10,15 +10,15 @@ use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
 use crate::config::Overrides;
-use crate::fleet::{self, Crew, Datasets, Lane, Trained, introduce};
+use crate::fleet::{self, Crew, Datasets, Lane, introduce};
 use crate::run::RunFolder;
-use crate::train::{Watch, check};
+use crate::train::{Watch, check, check_teacher};
 
-use super::eval::text;
 use super::failures::end;
 use super::fleet_report::FleetReport;
 use super::locate::{dataset_path, no_dataset, run_folder};
 use super::presets::{self, PresetArg};
+use super::run_report::RunReport;
 use super::seeds::Seeds;
 
 const EXAMPLES: &str = "\
@@ -77,7 +77,7 @@ pub(super) struct TrainArgs {
     /// One field over the preset and the file, key=value, or preset,preset:key=value for these presets; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Answer from this preference log instead of from true returns
+    /// Answer from this preference log instead of asking the simulated teacher, who knows the true returns
     #[arg(long, value_name = "FILE")]
     preferences: Option<PathBuf>,
     /// Simulator processes for the evaluation of a single run; all cores if not given
@@ -103,13 +103,8 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         let watch = Watch::Alone(audience);
         let mut ends = fleet::together(&[lane], &datasets, simulators, watch);
         let trained = ends.swap_remove(0).map_err(end)?;
-        return match &trained.evaluation {
-            Some(evaluation) => args.output.print(evaluation, || text(evaluation)),
-            None => {
-                let left = Left::of(lane, &trained);
-                args.output.print(&left, || left.text())
-            }
-        };
+        let report = RunReport::of(&lane.folder, &trained);
+        return args.output.print(&report, || report.text());
     }
     let ends = fleet::run(&lanes, &datasets, args.jobs, audience, |_| ());
     let report = FleetReport::of(&lanes, &ends);
@@ -126,26 +121,6 @@ impl Device {
             Self::Cpu => "backend=fused",
             Self::Cuda => "backend=cuda",
         }
-    }
-}
-
-/// What a run without an evaluation has to say.
-#[derive(Debug, serde::Serialize)]
-struct Left<'t> {
-    run: &'t Path,
-    artefact: Option<&'t Path>,
-}
-
-impl<'t> Left<'t> {
-    fn of(lane: &'t Lane, trained: &'t Trained) -> Self {
-        Self {
-            run: &lane.folder,
-            artefact: trained.artefact.as_deref(),
-        }
-    }
-
-    fn text(&self) -> String {
-        self.artefact.unwrap_or(self.run).display().to_string()
     }
 }
 
@@ -205,6 +180,16 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             ),
         ));
     }
+    let taught = configs.iter().find(|config| !config.teacher.is_default());
+    if let (Some(_), Some(config)) = (&args.preferences, taught) {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "--preferences are answers, and so are those of {}: leave out either the file or the settings of the teacher",
+                config.teacher.name()
+            ),
+        ));
+    }
     let alone = names.len() * configs.len() == 1;
     let mut tasks = Vec::new();
     for name in names {
@@ -212,6 +197,9 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
         let dataset = datasets.open(&path).map_err(|it| no_dataset(name, it))?;
         for config in &configs {
             check(&dataset, config).map_err(end)?;
+            if args.preferences.is_none() {
+                check_teacher(&dataset, config).map_err(end)?;
+            }
         }
         tasks.push((path, dataset.task().unwrap_or("unknown").to_owned()));
     }

@@ -3,6 +3,7 @@
 
 mod algorithms;
 mod rewards;
+mod teacher;
 
 use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
@@ -30,7 +31,8 @@ impl Config {
         } = self.schedule;
         let schedule = Table("schedule");
         schedule.at_least_one("log_every", log_every as f64)?;
-        schedule.at_least_one("checkpoint_every", checkpoint_every as f64)
+        schedule.at_least_one("checkpoint_every", checkpoint_every as f64)?;
+        teacher::teacher(self)
     }
 
     /// Whether each choice gives what the next one needs, and is needed itself.

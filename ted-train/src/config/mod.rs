@@ -16,7 +16,9 @@ use serde::{Deserialize, Serialize};
 use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
+use crate::preferences::{ScriptedTeacher, TeacherConfig};
 use crate::reward::RewardConfig;
+use crate::rng::Seed;
 use crate::ted::DiscountConfig;
 
 /// Everything that decides what a run computes. The run's folder and the number of threads are not part of it.
@@ -44,6 +46,9 @@ pub struct Config {
     pub algorithm: AlgorithmConfig,
     /// How often the run is evaluated, logged and saved.
     pub schedule: Schedule,
+    /// Who answers, where no log does.
+    #[serde(default, skip_serializing_if = "TeacherConfig::is_default")]
+    pub teacher: TeacherConfig,
 }
 
 /// What happens how often during the offline phase.
@@ -82,6 +87,12 @@ impl Config {
     #[must_use]
     pub fn asks(&self) -> bool {
         self.reward.learner().is_some() || self.algorithm.questions().is_some()
+    }
+
+    /// Who answers, where no log does.
+    #[must_use]
+    pub fn simulated_teacher(&self) -> ScriptedTeacher {
+        ScriptedTeacher::new(self.teacher, Seed::root(self.seed).child("teacher"))
     }
 
     /// Digest of the canonical form, which travels in the artefact.

@@ -13,6 +13,7 @@ use crate::algorithm::oppo::OppoConfig;
 use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
+use crate::preferences::TeacherConfig;
 use crate::reward::RewardConfig;
 use crate::reward::episodes::EpisodesConfig;
 use crate::reward::oprl::OprlConfig;
@@ -297,6 +298,7 @@ impl Preset {
             discount,
             algorithm,
             schedule,
+            teacher: TeacherConfig::default(),
         }
     }
 

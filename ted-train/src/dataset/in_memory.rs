@@ -157,6 +157,13 @@ impl Dataset {
         &self.rewards_true
     }
 
+    /// The reward of every step, where it is the same for all: such rewards say of nothing that it is better.
+    #[must_use]
+    pub fn only_reward(&self) -> Option<f32> {
+        let (&first, rest) = self.rewards_true.split_first()?;
+        rest.iter().all(|&reward| reward == first).then_some(first)
+    }
+
     /// Where the task ended: only here does the bootstrap stop.
     #[must_use]
     pub fn terminations(&self) -> &[bool] {

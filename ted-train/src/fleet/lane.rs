@@ -15,10 +15,11 @@ use super::{Datasets, LaneError};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate_once};
-use crate::preferences::{PreferenceLog, ReplayTeacher, ScriptedTeacher, Teacher};
+use crate::preferences::{PreferenceLog, ReplayTeacher, Teacher};
 use crate::reward::RewardLearner;
+use crate::reward::episodes::Confidence;
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
-use crate::train::{Finished, LearnedPolicy, Prepared, check};
+use crate::train::{Finished, LearnedPolicy, Prepared, check, check_teacher};
 
 /// A run that is to be made, or gone on with.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ pub struct Lane {
     pub config: Config,
     /// The folder of the run.
     pub folder: PathBuf,
-    /// A preference log to answer from; true returns answer if there is none.
+    /// A preference log to answer from; the simulated teacher answers if there is none.
     pub answers: Option<PathBuf>,
     /// Folders of runs that may have learned the reward of this one, which takes long.
     pub siblings: Vec<PathBuf>,
@@ -40,6 +41,8 @@ pub struct Lane {
 pub struct Trained {
     /// The artefact, if a controller can fly the policy.
     pub artefact: Option<PathBuf>,
+    /// How sure it is that its best episodes are better than the logs, if its reward can tell.
+    pub confidence: Option<Confidence>,
     /// How it flew, if it was to fly and its task can be simulated.
     pub evaluation: Option<Evaluation>,
 }
@@ -72,6 +75,7 @@ impl Lane {
                 lane.config.reward.clone(),
                 lane.config.seed,
                 lane.config.backend,
+                lane.config.teacher,
             )
         };
         self.config
@@ -96,7 +100,10 @@ impl Lane {
         check(&dataset, &self.config)?;
         let answers = match &self.answers {
             Some(log) => Some((log, ReplayTeacher::open(log, &dataset)?)),
-            None => None,
+            None => {
+                check_teacher(&dataset, &self.config)?;
+                None
+            }
         };
         let folder = RunFolder::begin(&self.folder, &self.config, &reference)?;
         if let Some((log, answers)) = &answers {
@@ -116,7 +123,7 @@ impl Begun<'_> {
     pub(super) fn prepare(&self, audience: Audience) -> Result<Prepared<'_>, LaneError> {
         let mut teacher: Box<dyn Teacher> = match &self.answers {
             Some(answers) => Box::new(answers.clone()),
-            None => Box::new(ScriptedTeacher::new(0.0)?),
+            None => Box::new(self.lane.config.simulated_teacher()),
         };
         let (dataset, config) = (&*self.dataset, &self.lane.config);
         let teacher = teacher.as_mut();
@@ -133,6 +140,7 @@ impl Begun<'_> {
         simulators: NonZeroUsize,
         audience: Audience,
     ) -> Result<Trained, LaneError> {
+        let confidence = run.confidence().cloned();
         let finished = run.finish(policy)?;
         let (flyer, artefact) = match &finished {
             Finished::Artefact(path) => {
@@ -165,6 +173,7 @@ impl Begun<'_> {
         };
         Ok(Trained {
             artefact,
+            confidence,
             evaluation,
         })
     }

@@ -55,23 +55,19 @@ pub fn look(dataset: &Dataset, audience: Audience) -> Result<LookText, LearnErro
 }
 
 fn describe(descriptors: &Descriptors, j: usize, dataset: &Dataset) -> DescriptorText {
-    let (name, made_of) = match j.checked_sub(1) {
-        None => (
-            "competence".to_owned(),
-            "how far its actions go the way that all episodes go on average".to_owned(),
-        ),
+    let made_of = match j.checked_sub(1) {
+        None => "how far its actions go the way that all episodes go on average".to_owned(),
         Some(direction) => {
             let weights = descriptors.channels(direction);
             let named = weights.iter().take(NAMED).map(|&(channel, weight)| {
                 let (name, _) = channel_text(channel, dataset.observation_dim());
                 format!("{}{name}", if weight < 0.0 { "-" } else { "+" })
             });
-            let made_of = named.collect::<Vec<_>>().join(" ");
-            (format!("whereabouts {}", direction + 1), made_of)
+            named.collect::<Vec<_>>().join(" ")
         }
     };
     DescriptorText {
-        name,
+        name: Descriptors::name(j),
         reliability: descriptors.reliability[j],
         made_of,
         most: descriptors.most(j, NAMED),

@@ -49,7 +49,7 @@ pub enum PreferenceError {
     },
     /// An answer that is none.
     #[error(
-        "line {line} of {path} has the answer {answer}, which is not 0 (first better), 1 (second better) or 0.5 (equal); correct or delete the line"
+        "line {line} of {path} has the answer {answer}, which is not 0 (first better), 1 (second better), 0.5 (equal) or null (whoever was asked could not tell); correct or delete the line"
     )]
     Answer {
         /// The file.
@@ -99,19 +99,43 @@ pub enum PreferenceError {
     },
     /// A replay that has come to its end.
     #[error(
-        "the replayed log has {answers} answers and question {number} was asked; ask fewer, or let a teacher answer the rest"
+        "the replayed log has {answers} answers and question {number} was asked; ask fewer, or add this line to it, with the answer 0 \
+         (the first is better), 1 (the second is better) or 0.5 (they are equal) in place of null, which says that you cannot \
+         tell: {line}"
     )]
     ReplayExhausted {
         /// How many answers it has.
         answers: usize,
         /// The question, counted from 1.
         number: usize,
+        /// The question as a line of a log.
+        line: String,
     },
-    /// A tolerance that is no distance.
-    #[error("the tie tolerance is {tolerance}; it must be finite and not negative")]
-    Tolerance {
-        /// The value.
-        tolerance: f64,
+    /// Rewards that say of no clip that it is better than another one.
+    #[error(
+        "the true rewards of {id} are all {reward}, so the simulated teacher cannot say which of two clips is better: answer yourself, \
+         with --preferences and a file. It may be empty at first, and the command then says the line of each question that it \
+         wants answered; README.md explains it under \"Your own answers\""
+    )]
+    NobodyToAsk {
+        /// The dataset.
+        id: String,
+        /// The reward of every step.
+        reward: f32,
+    },
+    /// Questions enough that nobody could answer.
+    #[error(
+        "{untold} of {asked} questions got no answer, because whoever was asked could not tell, and there are no other pairs to ask \
+         about, or ten were asked for each answer: what was said is safe in {path}; answer yourself with --preferences, ask about \
+         longer clips, or ask a simulated teacher with a lower teacher.cannot_tell"
+    )]
+    NobodyCanTell {
+        /// The log.
+        path: PathBuf,
+        /// Questions that were asked.
+        asked: usize,
+        /// Those that got no answer.
+        untold: usize,
     },
 }
 
@@ -121,7 +145,6 @@ impl PreferenceError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Write { .. } | Self::DiskFull { .. } => ExitCode::Storage,
-            Self::Tolerance { .. } => ExitCode::Usage,
             _ => ExitCode::BadInput,
         }
     }

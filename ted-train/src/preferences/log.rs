@@ -1,8 +1,8 @@
 //! The append-only file of questions and answers: on the disk before the answer is used, and never asked twice.
 
-use super::entry::{Context, Line, LogEntry};
+use super::entry::{Line, LogEntry};
 use super::error::describe;
-use super::{Answer, PreferenceError, Query, Teacher};
+use super::{Answer, PreferenceError, Question, Teacher, Untold};
 use crate::dataset::Dataset;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -81,17 +81,19 @@ impl PreferenceLog {
         parse(path, &bytes, dataset).map(|(entries, _)| entries)
     }
 
-    /// The answer to `query`: from the log if it has not been used up, otherwise from `teacher`, and then kept in the log.
+    /// What is said to `question`: by the log if it has not been used up, otherwise by `teacher`, and then kept in the log. None
+    /// when whoever is asked cannot tell.
     pub fn ask(
         &mut self,
         dataset: &Dataset,
         teacher: &mut dyn Teacher,
-        context: Context,
-        query: Query,
-    ) -> Result<Answer, PreferenceError> {
+        question: Question,
+    ) -> Result<Option<Answer>, PreferenceError> {
+        let number = self.asked + 1;
         if let Some(logged) = self.entries.get(self.asked) {
-            if (logged.context, logged.query) != (context, query) {
-                let describe = |context: Context, query| {
+            let what = |it: &Question| (it.context, it.query);
+            if what(&logged.question) != what(&question) {
+                let describe = |Question { context, query, .. }: &Question| {
                     let member = context
                         .member
                         .map_or("all members".into(), |member| format!("member {member}"));
@@ -102,28 +104,48 @@ impl PreferenceLog {
                     )
                 };
                 return Err(PreferenceError::OtherQuestion {
-                    number: self.asked + 1,
-                    asked: describe(context, &query),
-                    logged: describe(logged.context, &logged.query),
+                    number,
+                    asked: describe(&question),
+                    logged: describe(&logged.question),
                 });
             }
-            self.asked += 1;
+            self.asked = number;
             return Ok(logged.answer);
         }
-        let answer = teacher.answer(dataset, &query)?;
+        let answer = teacher.answer(dataset, number, &question)?;
         let entry = LogEntry {
-            context,
-            query,
+            question,
             answer,
             by: teacher.name().into(),
         };
-        self.append(&Line::new(dataset, &entry).text())?;
+        self.append(&format!("{}\n", Line::new(dataset, &entry).text()))?;
         self.entries.push(entry);
-        self.asked += 1;
+        self.asked = number;
         Ok(answer)
     }
 
-    /// All answers so far, those of earlier runs included.
+    /// The pairs that were asked about in this run and that nobody could tell apart. What a log holds beyond the questions so far
+    /// does not count yet: a run that starts again chooses as it did.
+    #[must_use]
+    pub fn untold(&self) -> Untold<'_> {
+        Untold::of(&self.entries[..self.asked])
+    }
+
+    /// Why no more is asked of somebody who could not tell.
+    pub(super) fn nobody_can_tell(&self) -> PreferenceError {
+        PreferenceError::NobodyCanTell {
+            path: self.path.clone(),
+            asked: self.asked,
+            untold: self.untold().count(),
+        }
+    }
+
+    /// How many questions of this run were answered so far.
+    pub(super) fn answered(&self) -> usize {
+        self.asked - self.untold().count()
+    }
+
+    /// All questions so far with what was said, those of earlier runs included.
     #[must_use]
     pub fn entries(&self) -> &[LogEntry] {
         &self.entries
@@ -254,17 +276,15 @@ fn parse_line(
         line,
         answer,
     })?;
-    let query = parsed
-        .query(dataset)
+    let (question, by) = parsed
+        .question(dataset)
         .map_err(|source| PreferenceError::Segment {
             path: path(),
             line,
             source,
         })?;
-    let (context, by) = parsed.context();
     Ok(LogEntry {
-        context,
-        query,
+        question,
         answer,
         by,
     })

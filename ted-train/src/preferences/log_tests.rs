@@ -3,7 +3,9 @@
 use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::dataset::{Clip, Segment, SegmentSampler};
-use crate::preferences::{Recovered, ReplayTeacher, ScriptedTeacher};
+use crate::preferences::{
+    Context, Query, Recovered, ReplayTeacher, Says, ScriptedTeacher, TeacherConfig,
+};
 use crate::rng::Seed;
 use std::fs;
 use tempfile::TempDir;
@@ -13,7 +15,7 @@ fn dataset() -> Dataset {
 }
 
 /// Seven questions of single members and three that are shared, as the reward ensemble asks them; the fourth is a tie.
-fn questions(dataset: &Dataset) -> Vec<(Context, Query)> {
+fn questions(dataset: &Dataset) -> Vec<Question> {
     let sampler = SegmentSampler::new(dataset, Clip::Steps(5)).unwrap();
     let mut rng = Seed::root(4).rng();
     (0_u32..10)
@@ -23,7 +25,11 @@ fn questions(dataset: &Dataset) -> Vec<(Context, Query)> {
             let [first, other] = [sampler.sample(&mut rng), sampler.sample(&mut rng)];
             let second = if index == 3 { first } else { other };
             let segments = [first, second];
-            (Context { round, member }, Query { segments })
+            Question {
+                context: Context { round, member },
+                query: Query { segments },
+                why: (index == 8).then(|| "to see".to_owned()),
+            }
         })
         .collect()
 }
@@ -33,9 +39,9 @@ fn interview(
     dataset: &Dataset,
     teacher: &mut dyn Teacher,
     count: usize,
-) -> Vec<Answer> {
+) -> Vec<Option<Answer>> {
     let mut log = PreferenceLog::open(path, dataset).unwrap();
-    let ask = |(context, query)| log.ask(dataset, teacher, context, query).unwrap();
+    let ask = |question| log.ask(dataset, teacher, question).unwrap();
     questions(dataset)
         .into_iter()
         .take(count)
@@ -43,10 +49,10 @@ fn interview(
         .collect()
 }
 
-fn complete(dataset: &Dataset) -> (TempDir, PathBuf, Vec<Answer>) {
+fn complete(dataset: &Dataset) -> (TempDir, PathBuf, Vec<Option<Answer>>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("preferences.jsonl");
-    let answers = interview(&path, dataset, &mut ScriptedTeacher::new(0.0).unwrap(), 10);
+    let answers = interview(&path, dataset, &mut ScriptedTeacher::truthful(), 10);
     (folder, path, answers)
 }
 
@@ -58,10 +64,16 @@ impl Teacher for Nobody {
         "nobody"
     }
 
-    fn answer(&mut self, _: &Dataset, _: &Query) -> Result<Answer, PreferenceError> {
+    fn answer(
+        &mut self,
+        _: &Dataset,
+        number: usize,
+        _: &Question,
+    ) -> Result<Option<Answer>, PreferenceError> {
         Err(PreferenceError::ReplayExhausted {
             answers: 0,
-            number: 0,
+            number,
+            line: String::new(),
         })
     }
 }
@@ -103,6 +115,8 @@ fn a_line_says_everything_about_a_question_and_its_answer() {
     );
     assert_eq!(line["segments"][1]["length"], 5);
     assert_eq!(line["by"], "teacher:true-return");
+    assert_eq!(line["why"], "to see");
+    assert_eq!(text.matches("\"why\"").count(), 1, "others have no reason");
     let answers: Vec<_> = text
         .lines()
         .map(|line| line.split("\"answer\":").nth(1).unwrap())
@@ -126,7 +140,7 @@ fn a_run_that_was_killed_half_way_goes_on_to_the_same_file() {
     let dataset = dataset();
     let (folder, path, answers) = complete(&dataset);
     let other = folder.path().join("killed.jsonl");
-    let teacher = &mut ScriptedTeacher::new(0.0).unwrap();
+    let teacher = &mut ScriptedTeacher::truthful();
     interview(&other, &dataset, teacher, 6);
     assert_eq!(interview(&other, &dataset, teacher, 10), answers);
     assert_eq!(fs::read(other).unwrap(), fs::read(path).unwrap());
@@ -139,13 +153,21 @@ fn a_log_replayed_into_a_new_run_gives_the_same_log() {
     let copy = folder.path().join("copy.jsonl");
     let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
     assert_eq!(interview(&copy, &dataset, &mut replay, 10), answers);
-    assert_eq!(fs::read(copy).unwrap(), fs::read(path).unwrap());
-    let (_, query) = questions(&dataset)[0];
-    let error = replay.answer(&dataset, &query).unwrap_err().to_string();
+    assert_eq!(fs::read(copy).unwrap(), fs::read(&path).unwrap());
+    let question = &questions(&dataset)[8];
+    let error = replay.answer(&dataset, 11, question).unwrap_err();
+    let error = error.to_string();
     assert!(
         error.starts_with("the replayed log has 10 answers and question 11 was asked"),
         "{error}"
     );
+    // The line that it wants, as it stands in a log but for the answer and who gave it.
+    let (_, line) = error.split_once("tell: ").unwrap();
+    let logged = fs::read_to_string(path).unwrap();
+    let logged = logged.lines().nth(8).unwrap();
+    let asked = |line: &str| line.split_once("\"answer\":").unwrap().0.to_owned();
+    assert_eq!(asked(line), asked(logged));
+    assert!(line.ends_with("\"answer\":null,\"by\":\"me\"}"), "{line}");
 }
 
 #[test]
@@ -153,9 +175,13 @@ fn another_question_than_the_logged_one_is_named() {
     let dataset = dataset();
     let (_folder, path, _) = complete(&dataset);
     let questions = questions(&dataset);
+    let asked = |context, index: usize| Question {
+        context,
+        ..questions[index].clone()
+    };
     let mut log = PreferenceLog::open(&path, &dataset).unwrap();
     let error = log
-        .ask(&dataset, &mut Nobody, questions[0].0, questions[1].1)
+        .ask(&dataset, &mut Nobody, asked(questions[0].context, 1))
         .unwrap_err()
         .to_string();
     assert!(
@@ -166,14 +192,11 @@ fn another_question_than_the_logged_one_is_named() {
         round: 0,
         member: Some(5),
     };
-    assert!(
-        log.ask(&dataset, &mut Nobody, context, questions[0].1)
-            .is_err()
-    );
-    // A replay may begin later, for a run that goes on, and never goes back.
+    assert!(log.ask(&dataset, &mut Nobody, asked(context, 0)).is_err());
+    // A replay may begin later, for a run that goes on, and answers a question in its own place only.
     let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
-    replay.answer(&dataset, &questions[1].1).unwrap();
-    let error = replay.answer(&dataset, &questions[0].1).unwrap_err();
+    replay.answer(&dataset, 2, &questions[1]).unwrap();
+    let error = replay.answer(&dataset, 3, &questions[0]).unwrap_err();
     assert!(
         matches!(error, PreferenceError::OtherQuestion { number: 3, .. }),
         "{error}"
@@ -209,7 +232,7 @@ fn a_log_cut_at_any_byte_keeps_all_whole_answers() {
             inside_a_line.then_some(line_ends)
         );
         drop(log);
-        let teacher = &mut ScriptedTeacher::new(0.0).unwrap();
+        let teacher = &mut ScriptedTeacher::truthful();
         assert_eq!(interview(&cut_path, &dataset, teacher, 10), answers);
         assert_eq!(fs::read(&cut_path).unwrap(), bytes, "cut at {cut}");
     }
@@ -278,8 +301,45 @@ fn a_broken_line_in_the_middle_is_an_error_with_its_number() {
             "{text}"
         );
     }
+    let without = |line: &str| {
+        let (before, after) = line.split_once("\"answer\":").unwrap();
+        format!("{before}{}", after.split_once(',').unwrap().1)
+    };
+    let whole = fs::read(&path).unwrap();
+    edit_line(&path, 4, without);
+    assert!(refusal(&path, &dataset).contains("missing field `answer`"));
+    fs::write(&path, whole).unwrap();
     edit_line(&path, 4, |line| answer(line, "\"first\""));
     assert!(refusal(&path, &dataset).contains("is not a preference"));
+}
+
+#[test]
+fn who_cannot_tell_is_logged_and_replayed_and_is_no_answer() {
+    let dataset = dataset();
+    let folder = tempfile::tempdir().unwrap();
+    let [path, copy] = ["a", "b"].map(|name| folder.path().join(name));
+    let config = TeacherConfig {
+        says: Says::First,
+        cannot_tell: 0.5,
+        ..TeacherConfig::default()
+    };
+    let mut teacher = ScriptedTeacher::new(config, Seed::root(1));
+    let answers = interview(&path, &dataset, &mut teacher, 10);
+    let untold = answers.iter().filter(|answer| answer.is_none()).count();
+    assert!((1..10).contains(&untold), "{answers:?}");
+    let text = fs::read_to_string(&path).unwrap();
+    assert_eq!(text.matches("\"answer\":null,").count(), untold);
+    assert_eq!(
+        text.matches("\"by\":\"teacher:first,cannot_tell=0.5\"")
+            .count(),
+        10
+    );
+    let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
+    assert_eq!(interview(&copy, &dataset, &mut replay, 10), answers);
+    assert_eq!(fs::read_to_string(&copy).unwrap(), text);
+    // What a log holds beyond the questions of a run that starts again does not count before it is asked.
+    let log = PreferenceLog::open(&path, &dataset).unwrap();
+    assert_eq!((log.untold().count(), log.answered()), (0, 0));
 }
 
 #[test]
@@ -315,13 +375,13 @@ fn an_answer_that_cannot_be_kept_is_an_error_and_not_an_answer() {
     let query = Query {
         segments: [segment; 2],
     };
+    let question = Question {
+        context,
+        query,
+        why: None,
+    };
     let error = log
-        .ask(
-            &dataset,
-            &mut ScriptedTeacher::new(0.0).unwrap(),
-            context,
-            query,
-        )
+        .ask(&dataset, &mut ScriptedTeacher::truthful(), question)
         .unwrap_err();
     assert!(matches!(error, PreferenceError::DiskFull { .. }), "{error}");
     assert_eq!(log.entries().len(), 10);

@@ -1,5 +1,6 @@
 //! A question about two segments, and the three answers there are.
 
+use super::Context;
 use crate::dataset::Segment;
 
 /// "Which of these two segments is better?"
@@ -9,7 +10,18 @@ pub struct Query {
     pub segments: [Segment; 2],
 }
 
-/// The answer to a query.
+/// A query as a run asks it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// Which part of the procedure asks.
+    pub context: Context,
+    /// What it asks.
+    pub query: Query,
+    /// Why it asks this of all things, in words; none where there is no reason.
+    pub why: Option<String>,
+}
+
+/// The answer to a query. Who cannot tell gives none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Answer {
     /// The first segment is better.
@@ -37,5 +49,15 @@ impl Answer {
         [Self::First, Self::Second, Self::Equal]
             .into_iter()
             .find(|answer| f64::from(answer.label()) == label)
+    }
+
+    /// The answer to the same query with its segments exchanged.
+    #[must_use]
+    pub fn turned(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
+            Self::Equal => Self::Equal,
+        }
     }
 }

@@ -16,7 +16,7 @@ use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
 use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate_once};
-use crate::preferences::{PreferenceError, ScriptedTeacher};
+use crate::preferences::ScriptedTeacher;
 use crate::run::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
 use crate::train::{TrainError, train};
 use firmware_sim::disk::WriteError;
@@ -93,8 +93,6 @@ pub enum QuickstartError {
     Run(#[from] RunError),
     /// Writing results.
     Write(#[from] WriteError),
-    /// The questions.
-    Preference(#[from] PreferenceError),
     /// Training.
     Train(#[from] TrainError),
     /// Flying.
@@ -173,7 +171,7 @@ pub fn quickstart(
         path: collected.folder.clone(),
     };
     let folder = RunFolder::begin(&config.run_folder(), &training, &reference)?;
-    let mut teacher = Narrator::new(ScriptedTeacher::new(0.0)?, audience);
+    let mut teacher = Narrator::new(ScriptedTeacher::truthful(), audience);
     train(&dataset, &training, &folder, &mut teacher, audience.into())?;
     if teacher.asked() == 0 {
         let log = folder.file(PREFERENCES);

@@ -3,7 +3,7 @@
 use firmware_sim::progress::Audience;
 
 use crate::dataset::Dataset;
-use crate::preferences::{Answer, PreferenceError, Query, Teacher};
+use crate::preferences::{Answer, PreferenceError, Query, Question, Teacher};
 
 /// Passes questions on to another teacher, and tells a person of each.
 pub(super) struct Narrator<T> {
@@ -32,17 +32,22 @@ impl<T: Teacher> Teacher for Narrator<T> {
         self.teacher.name()
     }
 
-    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
-        let answer = self.teacher.answer(dataset, query)?;
+    fn answer(
+        &mut self,
+        dataset: &Dataset,
+        number: usize,
+        question: &Question,
+    ) -> Result<Option<Answer>, PreferenceError> {
+        let answer = self.teacher.answer(dataset, number, question)?;
         self.asked += 1;
-        let line = sentence(dataset, query, answer);
+        let line = sentence(dataset, &question.query, answer);
         self.audience
-            .note(&format!("  question {:>2}: {line}", self.asked));
+            .note(&format!("  question {number:>2}: {line}"));
         Ok(answer)
     }
 }
 
-fn sentence(dataset: &Dataset, query: &Query, answer: Answer) -> String {
+fn sentence(dataset: &Dataset, query: &Query, answer: Option<Answer>) -> String {
     let [first, second] = query.segments.map(|segment| {
         format!(
             "episode {} from step {}",
@@ -52,9 +57,10 @@ fn sentence(dataset: &Dataset, query: &Query, answer: Answer) -> String {
     });
     let [first_return, second_return] = query.segments.map(|segment| segment.return_true(dataset));
     let verdict = match answer {
-        Answer::First => "the first is better",
-        Answer::Second => "the second is better",
-        Answer::Equal => "they are equal",
+        Some(Answer::First) => "the first is better",
+        Some(Answer::Second) => "the second is better",
+        Some(Answer::Equal) => "they are equal",
+        None => "nobody can tell",
     };
     format!(
         "{first} or {second}, {} steps each? {verdict} (true returns {first_return:.1} and {second_return:.1})",
@@ -67,7 +73,7 @@ mod tests {
     use super::*;
     use crate::dataset::Segment;
     use crate::dataset::fixtures::{SHAPE, records};
-    use crate::preferences::ScriptedTeacher;
+    use crate::preferences::{Context, ScriptedTeacher};
 
     #[test]
     fn the_narrator_answers_as_its_teacher_and_says_what_was_asked() {
@@ -79,12 +85,21 @@ mod tests {
         let query = Query {
             segments: [segment(0, 1), segment(1, 2)],
         };
-        let mut narrator = Narrator::new(ScriptedTeacher::new(0.0).unwrap(), Audience::Nobody);
+        let context = Context {
+            round: 0,
+            member: None,
+        };
+        let question = Question {
+            context,
+            query,
+            why: None,
+        };
+        let mut narrator = Narrator::new(ScriptedTeacher::truthful(), Audience::Nobody);
         assert_eq!(narrator.name(), "teacher:true-return");
-        let answer = narrator.answer(&dataset, &query).unwrap();
-        assert_eq!((answer, narrator.asked()), (Answer::Equal, 1));
+        let answer = narrator.answer(&dataset, 1, &question).unwrap();
+        assert_eq!((answer, narrator.asked()), (Some(Answer::Equal), 1));
         assert_eq!(
-            sentence(&dataset, &query, Answer::Second),
+            sentence(&dataset, &query, Some(Answer::Second)),
             "episode 0 from step 1 or episode 1 from step 2, 2 steps each? \
              the second is better (true returns 3.0 and 3.0)"
         );

@@ -35,6 +35,12 @@ impl Computed<'_> {
         }
     }
 
+    /// Whether it is the dataset's own rewards, of whatever sign.
+    #[must_use]
+    pub fn is_the_truth(self) -> bool {
+        matches!(self, Self::True | Self::Negative)
+    }
+
     /// The raw reward of each transition.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Dataset, Segment, SegmentSampler};
-use crate::preferences::{QueryStrategy, RandomPair};
+use crate::preferences::RandomPair;
 use crate::rng::Seed;
 
 /// How well the training pairs are fitted, members averaged.
@@ -50,7 +50,7 @@ impl HeldOut {
         second_first: impl FnOnce(&[[Segment; 2]]) -> Vec<bool>,
     ) -> Self {
         let mut rng = seed.child("held-out").rng();
-        let mut pair = || RandomPair.choose(sampler, &mut rng);
+        let mut pair = || RandomPair.draw(sampler, &mut rng);
         let pairs: Vec<[Segment; 2]> = (0..count).map(|_| pair()).collect();
         let (mut strict, mut agree) = (0, 0);
         for (pair, second_first) in pairs.iter().zip(second_first(&pairs)) {

@@ -1,7 +1,7 @@
 //! Questions about random pairs, all asked before anything is learned.
 
 use crate::dataset::{Clip, Dataset, SegmentSampler};
-use crate::preferences::{Context, Interview, LabelledPair, QueryStrategy, RandomPair};
+use crate::preferences::{Context, Interview, LabelledPair, RandomPair};
 use crate::rng::Seed;
 
 use super::LearnError;
@@ -43,7 +43,7 @@ impl RandomQueries {
         };
         let ask = |query| {
             let mut rng = seed.child(&format!("query/{query}")).rng();
-            Ok(interview.ask(context, RandomPair.choose(&sampler, &mut rng))?)
+            Ok(interview.ask(context, &RandomPair, &sampler, &mut rng)?)
         };
         (0..self.queries).map(ask).collect()
     }
@@ -73,14 +73,14 @@ mod tests {
             let digest = interview.digest().unwrap();
             (pairs.unwrap(), interview.entries().to_vec(), digest)
         };
-        let asked = ask(&first, &mut ScriptedTeacher::new(0.0).unwrap());
+        let asked = ask(&first, &mut ScriptedTeacher::truthful());
         let (pairs, entries, _) = &asked;
         assert_eq!((pairs.len(), entries.len()), (10, 10));
         let shared = Context {
             round: 0,
             member: None,
         };
-        assert!(entries.iter().all(|entry| entry.context == shared));
+        assert!(entries.iter().all(|entry| entry.question.context == shared));
         let mut teacher = ReplayTeacher::open(&first, &dataset).unwrap();
         assert_eq!(ask(&second, &mut teacher), asked);
     }

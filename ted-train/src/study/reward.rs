@@ -69,7 +69,7 @@ pub fn measure(
     log: &Path,
 ) -> Result<Cell, TrainError> {
     let log = PreferenceLog::open(log, dataset).map_err(LearnError::from)?;
-    let mut teacher = ScriptedTeacher::new(0.0).map_err(LearnError::from)?;
+    let mut teacher = ScriptedTeacher::truthful();
     let mut interview = Interview::new(dataset, &mut teacher, log);
     let on = Material {
         dataset,

@@ -19,7 +19,7 @@ pub(super) fn of_a_policy(
     let digest = interview.digest().map_err(LearnError::from)?;
     same_answers(work.folder, &digest)?;
     let facts = Facts {
-        queries: interview.entries().len(),
+        queries: interview.answered(),
         preferences_digest: Some(digest),
         ..Facts::default()
     };

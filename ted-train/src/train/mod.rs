@@ -45,6 +45,17 @@ pub enum TrainError {
     /// The reward phase.
     #[error(transparent)]
     Learn(#[from] LearnError),
+    /// Rewards to learn from that say nothing.
+    #[error(
+        "the true rewards of {id} are all {reward}, so a policy can learn nothing from them: choose a reward that is learned from answers, \
+         such as --preset steer, and answer with --preferences"
+    )]
+    SameRewards {
+        /// The dataset.
+        id: String,
+        /// The reward of every step.
+        reward: f32,
+    },
     /// Rewards by optimal transport.
     #[error(transparent)]
     Transport(#[from] TransportError),
@@ -102,20 +113,38 @@ pub enum TrainError {
 ///
 /// # Errors
 /// When this build or this machine lacks the backend, when no controller could fly a policy for the dataset, or when it has no
-/// segment as long as the questions ask for, or too few episodes.
+/// segment as long as the questions ask for, too few episodes, or true rewards that are all the same where they are learned from.
 pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     config.backend.usable()?;
     ContractText::new(dataset)
         .contract()
         .map_err(ExportError::from)?;
     match config.reward.source() {
-        Source::Computed(reward) => reward.check(dataset)?,
+        Source::Computed(reward) => {
+            reward.check(dataset)?;
+            if let Some(reward) = dataset.only_reward().filter(|_| reward.is_the_truth()) {
+                let id = dataset.id().to_owned();
+                return Err(TrainError::SameRewards { id, reward });
+            }
+        }
         Source::Learned(learner) => learner.check(dataset)?,
     }
     if let Some(questions) = config.algorithm.questions() {
         questions.check(dataset)?;
     }
     Ok(config.filter.check(dataset.episodes().len())?)
+}
+
+/// Whether the simulated teacher can answer what a run of this configuration asks about this dataset, where nobody else does.
+///
+/// # Errors
+/// When it cannot.
+pub fn check_teacher(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
+    if config.asks() {
+        let teacher = config.simulated_teacher();
+        teacher.check(dataset).map_err(LearnError::from)?;
+    }
+    Ok(())
 }
 
 /// Runs the phases of one run in order: [`Prepared::new`], [`learn`] and [`Prepared::finish`], which for many runs are called
@@ -172,7 +201,7 @@ mod tests {
         let temporary = tempfile::tempdir().unwrap();
         let config = Preset::True.config();
         let folder = RunFolder::begin(temporary.path(), &config, &reference).unwrap();
-        let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+        let mut teacher = ScriptedTeacher::truthful();
         let watch = Audience::Nobody.into();
         let refused = train(&dataset, &config, &folder, &mut teacher, watch);
         assert!(matches!(

@@ -66,7 +66,7 @@ pub(super) fn learned(
                 None => learner.learn(&answers, on, &mut interview, save),
             }?;
             let facts = Facts {
-                queries: interview.entries().len(),
+                queries: interview.answered(),
                 fits: learned.fits,
                 held_out: Some(learned.held_out),
                 preferences_digest: Some(interview.digest().map_err(LearnError::from)?),

@@ -10,6 +10,7 @@ use crate::dataset::Dataset;
 use crate::filter::Kept;
 use crate::preferences::Teacher;
 use crate::reward::RewardModel;
+use crate::reward::episodes::Confidence;
 use crate::rng::Seed;
 use crate::run::{Clock, Phase, RunFolder, Spent};
 use crate::ted::Discounted;
@@ -86,6 +87,12 @@ impl<'a> Prepared<'a> {
             discounted,
             conditions,
         })
+    }
+
+    /// How sure it is that its best episodes are better than the logs; none of a reward that cannot tell.
+    #[must_use]
+    pub fn confidence(&self) -> Option<&Confidence> {
+        self.rewards.model.as_ref()?.confidence()
     }
 
     /// Writes the artefact of the policy that was learned, if a controller can fly it.

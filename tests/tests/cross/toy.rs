@@ -89,7 +89,7 @@ fn a_policy_learned_from_a_bad_pilot_flies_better_than_it_and_replays_without_a_
         path: folder.path().to_path_buf(),
     };
     let run = RunFolder::begin(&folder.path().join("run"), &config(), &reference).unwrap();
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let watch = Audience::Nobody.into();
     train(&dataset, &config(), &run, &mut teacher, watch).unwrap();
 

@@ -62,17 +62,37 @@ impl Confidence {
             better,
             leaves_the_logs,
         } = self;
+        let by = match answers {
+            0 => "without an answer".to_owned(),
+            _ => format!("by {answers} answers, {agreeing} of which agree with the rest"),
+        };
         let sure = format!(
-            "by {answers} answers, {agreeing} of which agree with the rest, the episodes that look best are {gain:.1} deviations \
+            "{by}, the episodes that look best are {gain:.1} deviations \
              above the average of the logs (90 % interval {low:.1} to {high:.1}), and better at all with a probability of {:.0} %",
             100.0 * better
         );
         if *leaves_the_logs {
             format!("{sure}: the policy imitates them")
         } else {
+            let advice = self.advice();
             format!(
-                "{sure}: that is not sure enough, so the policy imitates the average of the logs; answer five more questions"
+                "{sure}: that is not sure enough, so the policy imitates the average of the logs; {advice}"
             )
+        }
+    }
+
+    /// What would make it surer.
+    fn advice(&self) -> &'static str {
+        /// Answers after which it can be said whether they go together.
+        const FEW: usize = 5;
+        if self.range == [0.0; 2] {
+            "nothing that was looked at tells the episodes apart, so answers cannot help"
+        } else if self.answers == 0 {
+            "answer five questions"
+        } else if self.answers < FEW || 2 * self.agreeing > self.answers {
+            "answer five more questions"
+        } else {
+            "most answers are ties or do not go together, so look at them again before you answer more"
         }
     }
 }

@@ -147,6 +147,15 @@ impl Descriptors {
         }
     }
 
+    /// What a descriptor is called: competence, then the whereabouts by their number.
+    #[must_use]
+    pub fn name(descriptor: usize) -> String {
+        match descriptor {
+            0 => "competence".to_owned(),
+            direction => format!("whereabouts {direction}"),
+        }
+    }
+
     /// The channels that a direction of whereabouts is made of, with their weights, the largest first.
     #[must_use]
     pub fn channels(&self, direction: usize) -> Vec<(usize, f64)> {

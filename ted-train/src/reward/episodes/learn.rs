@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::dataset::{Clip, Dataset, Segment, SegmentError, SegmentSampler};
 use crate::nn::ExportedMlp;
-use crate::preferences::{Context, Interview, LabelledPair, QueryStrategy};
+use crate::preferences::{Context, Interview, LabelledPair};
 use crate::ranking::ranking;
 use crate::reward::{
     ExportedEnsemble, Fit, HeldOut, InputMap, LearnError, Learned, Material, RewardInputs,
@@ -127,18 +127,13 @@ fn interrogate(
     let mut samples = posterior(config, prior, &evidence, seed.child("posterior/0"));
     for query in 0..config.queries {
         let mut rng = seed.child(&format!("query/{query}")).rng();
-        let strategy = MostInformative {
-            config,
-            descriptors: &look.clipped,
-            samples: &samples,
-            episodes: &whole,
-        };
-        let segments = strategy.choose(&sampler, &mut rng);
+        let strategy = MostInformative::new(config, &look.clipped, &samples, &whole);
         let context = Context {
             round: u32::try_from(query).unwrap_or(u32::MAX),
             member: None,
         };
-        let LabelledPair { segments, label } = interview.ask(context, segments)?;
+        let LabelledPair { segments, label } =
+            interview.ask(context, &strategy, &sampler, &mut rng)?;
         let [first, second] = segments.map(|segment| look.clipped.row(segment.episode() as usize));
         evidence.push((second - first).transpose(), label);
         let seed = seed.child(&format!("posterior/{}", query + 1));

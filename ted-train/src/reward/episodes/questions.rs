@@ -9,26 +9,58 @@ use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 
 use crate::dataset::{Segment, SegmentSampler};
-use crate::preferences::{QueryStrategy, RandomPair};
+use crate::preferences::{QueryStrategy, RandomPair, Untold};
 use crate::ranking::ranking;
 
 use super::EpisodesConfig;
+use super::descriptors::Descriptors;
 use super::posterior::second_better;
 
 /// A choice by what the samples of a posterior disagree on.
 pub(super) struct MostInformative<'a> {
-    pub config: &'a EpisodesConfig,
+    config: &'a EpisodesConfig,
     /// `[episode, descriptor]`.
-    pub descriptors: &'a DMatrix<f64>,
+    descriptors: &'a DMatrix<f64>,
     /// `[sample, descriptor]`.
-    pub samples: &'a DMatrix<f64>,
+    samples: &'a DMatrix<f64>,
     /// Every episode as a whole.
-    pub episodes: &'a [Segment],
+    episodes: &'a [Segment],
+    /// The best episodes of each sample.
+    best: Vec<Vec<usize>>,
+}
+
+impl<'a> MostInformative<'a> {
+    /// A choice among these episodes, described by the rows of `descriptors`, with the rows of `samples` as their weights.
+    pub fn new(
+        config: &'a EpisodesConfig,
+        descriptors: &'a DMatrix<f64>,
+        samples: &'a DMatrix<f64>,
+        episodes: &'a [Segment],
+    ) -> Self {
+        let qualities = descriptors * samples.transpose();
+        let best = qualities.column_iter().map(|qualities| {
+            let mut best = ranking(qualities.as_slice());
+            best.truncate(config.candidates);
+            best
+        });
+        Self {
+            best: best.collect(),
+            config,
+            descriptors,
+            samples,
+            episodes,
+        }
+    }
 }
 
 impl QueryStrategy for MostInformative<'_> {
-    fn choose(&self, sampler: &SegmentSampler, mut rng: &mut dyn Rng) -> [Segment; 2] {
-        let best = self.candidates();
+    fn choose(
+        &self,
+        sampler: &SegmentSampler,
+        untold: Untold<'_>,
+        mut rng: &mut dyn Rng,
+    ) -> Option<[Segment; 2]> {
+        let best = &self.best;
         let count = self.episodes.len();
         let mut pool = Vec::with_capacity(self.config.pool);
         for _ in 0..self.config.pool {
@@ -49,24 +81,44 @@ impl QueryStrategy for MostInformative<'_> {
                 });
             }
         }
+        pool.retain(|pair| !untold.contains(pair.map(|episode| self.episodes[episode])));
         let information: Vec<f64> = pool.iter().map(|&pair| self.information(pair)).collect();
         match ranking(&information).first() {
-            Some(&most) => pool[most].map(|episode| self.episodes[episode]),
-            None => RandomPair.choose(sampler, &mut rng),
+            Some(&most) => Some(pool[most].map(|episode| self.episodes[episode])),
+            None => RandomPair.choose(sampler, untold, &mut rng),
         }
+    }
+
+    fn why(&self, segments: [Segment; 2]) -> Option<String> {
+        let [first, second] = segments.map(|segment| segment.episode() as usize);
+        let best = |episode| self.best.iter().any(|best| best.contains(&episode));
+        let may = match (best(first), best(second)) {
+            (true, true) => "both may be among the best",
+            (true, false) => "the first may be among the best",
+            (false, true) => "the second may be among the best",
+            // Drawn at random, where no such pair was left.
+            (false, false) => return None,
+        };
+        let about = match self.most_open([first, second]) {
+            Some(descriptor) => {
+                let name = Descriptors::name(descriptor);
+                format!(", and the answer says most about how far {name} counts")
+            }
+            None => String::new(),
+        };
+        Some(format!("{may}{about}"))
     }
 }
 
 impl MostInformative<'_> {
-    /// The best episodes of each sample.
-    fn candidates(&self) -> Vec<Vec<usize>> {
-        let qualities = self.descriptors * self.samples.transpose();
-        let best = qualities.column_iter().map(|qualities| {
-            let mut best = ranking(qualities.as_slice());
-            best.truncate(self.config.candidates);
-            best
+    /// The descriptor whose part in the difference between two episodes the samples agree on least; none if they agree on all.
+    fn most_open(&self, [first, second]: [usize; 2]) -> Option<usize> {
+        let parts = self.samples.column_iter().enumerate().map(|(j, weights)| {
+            let apart = self.descriptors[(second, j)] - self.descriptors[(first, j)];
+            (j, weights.variance().sqrt() * apart.abs())
         });
-        best.collect()
+        let most = parts.max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        (most.1 > 0.0).then_some(most.0)
     }
 
     /// What an answer would say about the weights, in nats.

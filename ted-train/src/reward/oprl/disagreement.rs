@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 
 use crate::dataset::{Dataset, Segment, SegmentSampler};
-use crate::preferences::{QueryStrategy, RandomPair};
+use crate::preferences::{QueryStrategy, RandomPair, Untold};
 
 use super::ensemble::Ensemble;
 
@@ -19,10 +19,15 @@ pub struct MostDisputed<'a> {
 }
 
 impl QueryStrategy for MostDisputed<'_> {
-    fn choose(&self, sampler: &SegmentSampler, mut rng: &mut dyn Rng) -> [Segment; 2] {
+    fn choose(
+        &self,
+        sampler: &SegmentSampler,
+        untold: Untold<'_>,
+        mut rng: &mut dyn Rng,
+    ) -> Option<[Segment; 2]> {
         let pairs: Vec<[Segment; 2]> = (0..self.pool)
-            .map(|_| RandomPair.choose(sampler, rng))
-            .collect();
+            .map(|_| RandomPair.choose(sampler, untold, rng))
+            .collect::<Option<_>>()?;
         let returns = self
             .ensemble
             .segment_returns(self.dataset, pairs.as_flattened());
@@ -38,6 +43,6 @@ impl QueryStrategy for MostDisputed<'_> {
         let disputes: Vec<usize> = (0..self.pool).map(dispute).collect();
         let most = disputes.iter().copied().max().unwrap_or(0);
         let tied: Vec<usize> = (0..self.pool).filter(|&i| disputes[i] == most).collect();
-        pairs[tied[(&mut rng).random_range(0..tied.len())]]
+        Some(pairs[tied[(&mut rng).random_range(0..tied.len())]])
     }
 }

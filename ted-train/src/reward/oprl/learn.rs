@@ -3,7 +3,7 @@
 use firmware_sim::interrupt;
 
 use crate::dataset::{Dataset, Segment, SegmentError, SegmentSampler};
-use crate::preferences::{Context, Interview, LabelledPair, QueryStrategy, RandomPair};
+use crate::preferences::{Context, Interview, LabelledPair, RandomPair};
 use crate::reward::{Fit, HeldOut, LearnError, Material};
 use crate::rng::Seed;
 
@@ -35,8 +35,7 @@ pub fn ask(
             round: 0,
             member: u32::try_from(member).ok(),
         };
-        let segments = RandomPair.choose(&sampler, &mut rng);
-        Ok(interview.ask(context, segments)?)
+        Ok(interview.ask(context, &RandomPair, &sampler, &mut rng)?)
     };
     (0..config.members).map(ask).collect()
 }
@@ -82,12 +81,11 @@ pub fn train(
             dataset,
             pool: config.pool,
         };
-        let segments = disputed.choose(&sampler, &mut rng);
         let context = Context {
             round,
             member: None,
         };
-        let pair = interview.ask(context, segments)?;
+        let pair = interview.ask(context, &disputed, &sampler, &mut rng)?;
         pairs.iter_mut().for_each(|own| own.push(pair));
         fits.push(finite(
             round,

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::dataset::{Clip, SegmentSampler};
-use crate::preferences::QueryStrategy;
+use crate::preferences::{QueryStrategy, Untold};
 use crate::reward::episodes::EpisodesConfig;
 use crate::reward::episodes::confidence::Confidence;
 use crate::reward::episodes::learn::whole_episodes;
@@ -111,19 +111,21 @@ fn a_question_is_about_two_episodes_one_of_which_may_be_the_best() {
         _ => f64::from(episode as u32 % 2) - 0.5,
     });
     let samples = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 1.0, -2.0]);
-    let strategy = MostInformative {
-        config: &config,
-        descriptors: &descriptors,
-        samples: &samples,
-        episodes: &whole,
-    };
+    let strategy = MostInformative::new(&config, &descriptors, &samples, &whole);
     for seed in 0..20 {
         let mut rng = Seed::root(seed).rng();
-        let pair = strategy.choose(&sampler, &mut rng).map(|it| it.episode());
+        let segments = strategy
+            .choose(&sampler, Untold::of(&[]), &mut rng)
+            .unwrap();
+        let pair = segments.map(|it| it.episode());
         assert_ne!(pair[0], pair[1]);
         assert!(pair.iter().any(|&episode| episode >= 26), "{pair:?}");
         // The two samples disagree on it.
         assert_ne!(pair[0] % 2, pair[1] % 2, "{pair:?}");
+        let why = strategy.why(segments).unwrap();
+        assert!(why.contains("may be among the best"), "{why}");
+        let about = "and the answer says most about how far whereabouts 1 counts";
+        assert!(why.ends_with(about), "{why}");
     }
 }
 
@@ -139,5 +141,17 @@ fn confidence_is_high_where_all_samples_agree_and_low_where_they_do_not() {
         (confidence.better, confidence.leaves_the_logs),
         (0.5, false)
     );
-    assert!(confidence.in_words().contains("answer five more"));
+    assert!(confidence.in_words().ends_with("answer five questions"));
+    let after = |answers, agreeing| {
+        let confidence = Confidence {
+            answers,
+            agreeing,
+            ..confidence.clone()
+        };
+        confidence.in_words()
+    };
+    assert!(after(10, 7).ends_with("answer five more questions"));
+    assert!(after(2, 0).ends_with("answer five more questions"));
+    // Ties, or answers of which half go against the other half: more of these would not help.
+    assert!(after(10, 4).contains("look at them again before"));
 }

@@ -4,15 +4,16 @@ use std::path::Path;
 
 use nalgebra::DVector;
 
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, EpisodeRecord};
 use crate::nn::Backend;
 use crate::preferences::{
-    Answer, Interview, PreferenceError, PreferenceLog, Query, ReplayTeacher, ScriptedTeacher,
-    Teacher,
+    Answer, Interview, PreferenceError, PreferenceLog, Question, ReplayTeacher, Says,
+    ScriptedTeacher, Teacher, TeacherConfig, Untold,
 };
 use crate::reward::episodes::EpisodesConfig;
 use crate::reward::quality::RewardQuality;
 use crate::reward::{Labels, LearnError, Learned, Material, RewardLearner};
+use crate::rng::Seed;
 
 use super::looks::material;
 use super::{KNOWING, config, logs, mixed};
@@ -48,9 +49,14 @@ impl Teacher for Odd {
         "teacher:odd"
     }
 
-    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
-        let truth = ScriptedTeacher::new(0.0)?.answer(dataset, query)?;
-        Ok((self.0)(truth))
+    fn answer(
+        &mut self,
+        dataset: &Dataset,
+        number: usize,
+        question: &Question,
+    ) -> Result<Option<Answer>, PreferenceError> {
+        let truth = ScriptedTeacher::truthful().answer(dataset, number, question)?;
+        Ok(truth.map(self.0))
     }
 }
 
@@ -58,7 +64,7 @@ impl Teacher for Odd {
 fn the_reward_that_a_controller_computes_orders_episodes_as_their_quality_and_their_truth() {
     let dataset = mixed();
     let folder = tempfile::tempdir().unwrap();
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let learned = learn(&config(), &dataset, &mut teacher, &folder.path().join("a")).unwrap();
     assert!(learned.held_out.agreement > 0.7, "{:?}", learned.held_out);
     let raw = learned.model.raw_rewards(&dataset).unwrap();
@@ -82,7 +88,7 @@ fn the_log_alone_gives_the_same_model_and_no_question_is_asked_twice() {
     let dataset = mixed();
     let folder = tempfile::tempdir().unwrap();
     let [first, second] = ["a", "b"].map(|name| folder.path().join(name));
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let straight = learn(&config(), &dataset, &mut teacher, &first).unwrap();
     let mut replay = ReplayTeacher::open(&first, &dataset).unwrap();
     let replayed = learn(&config(), &dataset, &mut replay, &second).unwrap();
@@ -145,28 +151,126 @@ fn where_nothing_is_believed_beforehand_answers_decide_the_order_and_reversed_on
     assert!(straight > 0.6 && reversed < 0.4, "{straight} {reversed}");
 }
 
+/// Fails unless everything that is left is a number.
+#[track_caller]
+fn assert_numbers(learned: &Learned, dataset: &Dataset) {
+    assert!(quality(learned).iter().all(|it| it.is_finite()));
+    let raw = learned.model.raw_rewards(dataset).unwrap();
+    assert!(raw.iter().all(|it| it.is_finite()));
+    let confidence = learned.model.confidence().unwrap();
+    let [low, high] = confidence.range;
+    let numbers = [confidence.gain, low, high, confidence.better];
+    assert!(numbers.iter().all(|it| it.is_finite()), "{confidence:?}");
+    assert!(learned.fits.iter().all(|fit| fit.loss.is_finite()));
+}
+
+fn teacher(config: TeacherConfig) -> ScriptedTeacher {
+    ScriptedTeacher::new(config, Seed::root(6))
+}
+
 #[test]
-fn answers_that_say_nothing_leave_numbers_that_are_numbers() {
+fn answers_that_say_nothing_or_contradict_each_other_leave_numbers_that_are_numbers() {
     let dataset = mixed();
-    for (index, odd) in [(|_| Answer::Equal) as fn(Answer) -> Answer, |_| {
-        Answer::First
-    }]
-    .into_iter()
-    .enumerate()
-    {
+    for says in [Says::Equal, Says::First, Says::Random, Says::Reversed] {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join(index.to_string());
-        let learned = learn(&config(), &dataset, &mut Odd(odd), &path).unwrap();
-        assert!(quality(&learned).iter().all(|q| q.is_finite()));
-        let raw = learned.model.raw_rewards(&dataset).unwrap();
-        assert!(raw.iter().all(|r| r.is_finite()));
+        let mut teacher = teacher(TeacherConfig {
+            says,
+            ..TeacherConfig::default()
+        });
+        let learned = learn(&config(), &dataset, &mut teacher, &folder.path().join("a")).unwrap();
+        assert_numbers(&learned, &dataset);
+    }
+}
+
+#[test]
+fn logs_in_which_nothing_differs_leave_numbers_and_a_policy_that_stays_with_them() {
+    let mut rewarded = 0.0;
+    let mut still = || EpisodeRecord {
+        observations: vec![0.25; super::SHAPE.observation * 31],
+        actions: vec![0.5; 30],
+        rewards: (0..30)
+            .map(|_| {
+                rewarded += 0.01;
+                rewarded
+            })
+            .collect(),
+        terminations: vec![false; 30],
+        truncations: (1..=30).map(|step| step == 30).collect(),
+        success: vec![false; 30],
+        ..EpisodeRecord::default()
+    };
+    let episodes: Vec<_> = (0..5).map(|_| still()).collect();
+    let still = Dataset::from_records("ted/still-v0", super::SHAPE, &episodes).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a");
+    let mut truthful = ScriptedTeacher::truthful();
+    let learned = learn(&config(), &still, &mut truthful, &path).unwrap();
+    assert_numbers(&learned, &still);
+    let confidence = learned.model.confidence().unwrap();
+    assert!(!confidence.leaves_the_logs, "{confidence:?}");
+    let words = confidence.in_words();
+    assert!(words.ends_with("so answers cannot help"), "{words}");
+    // Nobody says of a question what its answer cannot say.
+    let log = std::fs::read_to_string(path).unwrap();
+    assert!(!log.contains("counts"), "{log}");
+}
+
+#[test]
+fn a_pair_that_nobody_can_tell_apart_is_asked_about_once_and_costs_no_answer() {
+    let dataset = mixed();
+    let folder = tempfile::tempdir().unwrap();
+    let [straight, resumed, replayed] = ["a", "b", "c"].map(|name| folder.path().join(name));
+    let half = TeacherConfig {
+        cannot_tell: 0.5,
+        ..TeacherConfig::default()
+    };
+    let of = |path: &Path| learn(&config(), &dataset, &mut teacher(half), path).unwrap();
+    let learned = of(&straight);
+    assert_eq!(learned.model.confidence().unwrap().answers, 10);
+    let entries = PreferenceLog::read(&straight, &dataset).unwrap();
+    let told = entries.iter().filter(|entry| entry.answer.is_some());
+    assert_eq!(told.count(), 10);
+    assert!(entries.len() > 10, "{}", entries.len());
+    for (at, entry) in entries.iter().enumerate() {
+        let segments = entry.question.query.segments;
+        assert!(!Untold::of(&entries[..at]).contains(segments), "{at}");
+        assert!(entry.question.why.is_some());
+    }
+    // Stopped after five questions, whatever was said to them.
+    let text = std::fs::read_to_string(&straight).unwrap();
+    let five: String = text.split_inclusive('\n').take(5).collect();
+    std::fs::write(&resumed, five).unwrap();
+    assert_eq!(quality(&of(&resumed)), quality(&learned));
+    assert_eq!(std::fs::read_to_string(&resumed).unwrap(), text);
+    let mut replay = ReplayTeacher::open(&straight, &dataset).unwrap();
+    let again = learn(&config(), &dataset, &mut replay, &replayed).unwrap();
+    assert_eq!(quality(&again), quality(&learned));
+    assert_eq!(std::fs::read_to_string(&replayed).unwrap(), text);
+}
+
+#[test]
+fn where_nobody_can_tell_anything_the_questions_end_with_a_word_about_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut silent = teacher(TeacherConfig {
+        cannot_tell: 1.0,
+        ..TeacherConfig::default()
+    });
+    for (dataset, questions) in [(mixed(), 10), (logs(&[1.0, 0.5]), 1)] {
+        let path = folder.path().join(questions.to_string());
+        for _ in 0..2 {
+            let error = learn(&config(), &dataset, &mut silent, &path).unwrap_err();
+            let said = format!("{questions} of {questions} questions got no answer");
+            assert!(error.to_string().starts_with(&said), "{error}");
+            let kept = PreferenceLog::read(&path, &dataset).unwrap();
+            assert_eq!(kept.len(), questions, "nothing is lost or asked again");
+        }
     }
 }
 
 #[test]
 fn one_episode_alone_cannot_be_compared_and_two_equal_ones_can() {
     let folder = tempfile::tempdir().unwrap();
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let alone = logs(&[1.0]);
     let error = learn(&config(), &alone, &mut teacher, &folder.path().join("a")).unwrap_err();
     assert!(matches!(error, LearnError::TooFewEpisodes), "{error}");

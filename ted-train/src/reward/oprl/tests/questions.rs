@@ -7,8 +7,8 @@ use crate::nn::Backend;
 use crate::nn::fixtures::tensor;
 use crate::nn::{Activation, Linear, Mlp};
 use crate::preferences::{
-    Answer, Context, PreferenceError, Query, QueryStrategy, RandomPair, ReplayTeacher,
-    ScriptedTeacher, Teacher,
+    Answer, Context, PreferenceError, QueryStrategy, Question, RandomPair, ReplayTeacher,
+    ScriptedTeacher, Teacher, Untold,
 };
 use crate::reward::RewardLearner;
 use crate::reward::oprl::{Ensemble, MostDisputed, OprlConfig};
@@ -81,11 +81,13 @@ fn the_question_is_one_with_the_largest_dispute_of_the_pool() {
         let stream = Seed::root(seed);
         let mut rng = stream.rng();
         let pool: Vec<_> = (0..POOL)
-            .map(|_| RandomPair.choose(&sampler, &mut rng))
+            .map(|_| RandomPair.draw(&sampler, &mut rng))
             .collect();
         let disputes: Vec<f64> = pool.iter().map(|p| dispute(&dataset, &likes, p)).collect();
         unanimous += disputes.iter().filter(|&&d| d == 0.0).count();
-        let chosen = most_disputed(&ensemble, &dataset).choose(&sampler, &mut stream.rng());
+        let chosen = most_disputed(&ensemble, &dataset);
+        let chosen = chosen.choose(&sampler, Untold::of(&[]), &mut stream.rng());
+        let chosen = chosen.unwrap();
         assert!(pool.contains(&chosen), "the pool is the stream's");
         let largest = disputes.iter().copied().fold(0.0, f64::max);
         assert_eq!(dispute(&dataset, &likes, &chosen), largest, "seed {seed}");
@@ -104,10 +106,11 @@ fn among_equals_the_stream_draws() {
     let ensemble = linear(&dataset, &[[1.0, 0.0, 0.0]]);
     let place = |seed: u64| {
         let mut rng = Seed::root(seed).rng();
-        let chosen =
-            most_disputed(&ensemble, &dataset).choose(&sampler, &mut Seed::root(seed).rng());
+        let chosen = most_disputed(&ensemble, &dataset);
+        let chosen = chosen.choose(&sampler, Untold::of(&[]), &mut Seed::root(seed).rng());
+        let chosen = chosen.unwrap();
         let pool: Vec<_> = (0..POOL)
-            .map(|_| RandomPair.choose(&sampler, &mut rng))
+            .map(|_| RandomPair.draw(&sampler, &mut rng))
             .collect();
         assert_eq!(chosen, pool[rng.random_range(0..POOL)]);
         pool.iter().position(|pair| *pair == chosen).unwrap()
@@ -129,9 +132,14 @@ impl<T: Teacher> Teacher for Counting<T> {
         self.teacher.name()
     }
 
-    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
+    fn answer(
+        &mut self,
+        dataset: &Dataset,
+        number: usize,
+        question: &Question,
+    ) -> Result<Option<Answer>, PreferenceError> {
         self.asked += 1;
-        self.teacher.answer(dataset, query)
+        self.teacher.answer(dataset, number, question)
     }
 }
 
@@ -140,7 +148,7 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
     let dataset = dataset();
     let folder = tempfile::tempdir().unwrap();
     let mut teacher = Counting {
-        teacher: ScriptedTeacher::new(0.0).unwrap(),
+        teacher: ScriptedTeacher::truthful(),
         asked: 0,
     };
     let config = config();
@@ -148,7 +156,7 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
     let log = folder.path().join("log.jsonl");
     let (learned, entries) = learn(&config, &dataset, &mut teacher, &log, seed, Backend::Flex);
     assert_eq!((teacher.asked, config.queries()), (10, 10));
-    let contexts: Vec<_> = entries.iter().map(|entry| entry.context).collect();
+    let contexts: Vec<_> = entries.iter().map(|entry| entry.question.context).collect();
     let own = (0..7).map(|m| Context {
         round: 0,
         member: Some(m),
@@ -165,7 +173,7 @@ fn ten_questions_are_asked_seven_of_one_member_and_three_of_all() {
 fn whole_episodes_are_asked_about_and_learned_from_where_all_are_as_long_as_each_other() {
     let dataset = dataset();
     let folder = tempfile::tempdir().unwrap();
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let config = OprlConfig {
         segment: Clip::Episode,
         ..config()
@@ -174,7 +182,9 @@ fn whole_episodes_are_asked_about_and_learned_from_where_all_are_as_long_as_each
     let log = folder.path().join("log.jsonl");
     let seed = Seed::root(2);
     let (learned, entries) = learn(&config, &dataset, &mut teacher, &log, seed, Backend::Flex);
-    let mut segments = entries.iter().flat_map(|entry| entry.query.segments);
+    let mut segments = entries
+        .iter()
+        .flat_map(|entry| entry.question.query.segments);
     assert!(segments.all(|it| (it.start(), it.len()) == (0, 9)));
     assert!(learned.fits.iter().all(|fit| fit.loss.is_finite()));
 
@@ -188,7 +198,7 @@ fn whole_episodes_are_asked_about_and_learned_from_where_all_are_as_long_as_each
 fn a_shared_answer_is_learned_by_every_member() {
     let dataset = dataset();
     let folder = tempfile::tempdir().unwrap();
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let config = OprlConfig {
         epochs: 150,
         ..config()
@@ -199,10 +209,10 @@ fn a_shared_answer_is_learned_by_every_member() {
     for entry in &entries[7..] {
         let returns = learned
             .ensemble
-            .segment_returns(&dataset, &entry.query.segments);
+            .segment_returns(&dataset, &entry.question.query.segments);
         for (member, r) in returns.iter().enumerate() {
             let prefers_second = r[1] > r[0];
-            let wanted = entry.answer == Answer::Second;
+            let wanted = entry.answer == Some(Answer::Second);
             assert_eq!(prefers_second, wanted, "member {member}, {entry:?}");
         }
     }
@@ -224,7 +234,7 @@ fn the_log_alone_replays_the_run_to_the_bit() {
         );
         (std::fs::read(&path).unwrap(), learned.ensemble.exported())
     };
-    let (log, ensemble) = run("first.jsonl", &mut ScriptedTeacher::new(0.0).unwrap());
+    let (log, ensemble) = run("first.jsonl", &mut ScriptedTeacher::truthful());
     let mut replay = ReplayTeacher::open(folder.path().join("first.jsonl"), &dataset).unwrap();
     let (copy, replayed) = run("second.jsonl", &mut replay);
     assert_eq!(copy, log);
@@ -242,11 +252,13 @@ impl Teacher for Contrary {
         "contrary"
     }
 
-    fn answer(&mut self, dataset: &Dataset, query: &Query) -> Result<Answer, PreferenceError> {
-        let [first, second] = query.segments;
-        let turned = Query {
-            segments: [second, first],
-        };
-        ScriptedTeacher::new(0.0)?.answer(dataset, &turned)
+    fn answer(
+        &mut self,
+        dataset: &Dataset,
+        number: usize,
+        question: &Question,
+    ) -> Result<Option<Answer>, PreferenceError> {
+        let truth = ScriptedTeacher::truthful().answer(dataset, number, question)?;
+        Ok(truth.map(Answer::turned))
     }
 }

@@ -3,7 +3,7 @@
 use crate::dataset::{Clip, Segment, SegmentSampler};
 use crate::nn::fixtures::{BACKENDS, assert_close, tensor, values, wide};
 use crate::nn::scalar::ScalarMlp;
-use crate::preferences::{LabelledPair, QueryStrategy, RandomPair, ScriptedTeacher};
+use crate::preferences::{LabelledPair, RandomPair, ScriptedTeacher};
 use crate::reward::oprl::{OprlConfig, held_out_agreement};
 use crate::reward::{InputScaling, RewardInputs, ensemble_labels};
 use crate::rng::Seed;
@@ -21,7 +21,7 @@ fn with_many_answers_the_ensemble_orders_segments_that_nobody_was_asked_about() 
     for backend in BACKENDS {
         let folder = tempfile::tempdir().unwrap();
         let log = folder.path().join("log.jsonl");
-        let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+        let mut teacher = ScriptedTeacher::truthful();
         let seed = Seed::root(3);
         let fresh = held_out_agreement(
             &config,
@@ -44,7 +44,7 @@ fn an_equal_answer_pulls_the_two_returns_together() {
     let dataset = dataset();
     let sampler = SegmentSampler::new(&dataset, Clip::Steps(SEGMENT)).unwrap();
     let mut rng = Seed::root(4).rng();
-    let segments = RandomPair.choose(&sampler, &mut rng);
+    let segments = RandomPair.draw(&sampler, &mut rng);
     for backend in BACKENDS {
         let mut ensemble = ensemble(&config(), &dataset, backend);
         let gap = |ensemble: &super::Ensemble| -> f32 {

@@ -18,7 +18,7 @@ use super::{HEADS, SEGMENT, SHAPE, config, dataset, transformer};
 fn answers(config: &PtConfig, dataset: &Dataset) -> Vec<LabelledPair> {
     let folder = tempfile::tempdir().unwrap();
     let log = PreferenceLog::open(folder.path().join("log.jsonl"), dataset).unwrap();
-    let mut teacher = ScriptedTeacher::new(0.0).unwrap();
+    let mut teacher = ScriptedTeacher::truthful();
     let mut interview = Interview::new(dataset, &mut teacher, log);
     config
         .ask(on(dataset, Backend::Flex), &mut interview)
