@@ -140,11 +140,11 @@ fn an_episode_shorter_than_a_segment_is_named_before_anybody_is_asked() {
 }
 
 #[test]
-fn rewards_that_are_all_zero_are_trained_on_and_inspected() {
+fn rewards_that_are_all_zero_are_trained_on_by_who_does_not_look_and_inspected() {
     let desk = Desk::new();
     let mut records = episodes(3, 30);
     records.iter_mut().for_each(|r| r.rewards.fill(0.0));
     let dataset = write(desk.folder.path(), "zero", &records);
-    finish(&mut desk.train_on(&dataset, "run", "true", &[])).with(0);
+    finish(&mut desk.train_on(&dataset, "run", "zero", &[])).with(0);
     finish(ted().arg("inspect").arg(desk.run("run"))).with(0);
 }

@@ -12,3 +12,4 @@ mod preference_files;
 mod presets;
 mod repeatability;
 mod studies;
+mod teachers;
