@@ -86,7 +86,7 @@ pub enum DatasetError {
         reason: String,
     },
     /// A column that training needs.
-    #[error("{place} has no column `{column}`; the dataset must be recorded with it")]
+    #[error("{place} has no column `{column}`; {}", way_out(column))]
     MissingColumn {
         /// The file.
         place: String,
@@ -170,4 +170,14 @@ pub enum DatasetError {
         /// What is wrong with it.
         reason: &'static str,
     },
+}
+
+/// What to do about a column that is missing.
+fn way_out(column: &str) -> &'static str {
+    match column {
+        "rewards" => {
+            "logs without rewards must have 0 there, and are trained on with answers of your own (--preferences)"
+        }
+        _ => "the dataset must be recorded with it",
+    }
 }

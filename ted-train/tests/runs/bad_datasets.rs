@@ -93,7 +93,7 @@ fn a_file_without_rewards_is_named() {
             writer.finish().unwrap();
             forget_note(&data.join("1/metadata.json"));
         },
-        &["no column `rewards`", "1/part-0.arrow"],
+        &["no column `rewards`", "1/part-0.arrow", "--preferences"],
     );
 }
 
