@@ -1,5 +1,7 @@
 //! The perceptron itself: forward, forward with a tape, and the gradients of its parameters, on either engine.
 
+use std::ops::Range;
+
 use burn::tensor::{Tensor, TensorData};
 use rand::Rng;
 
@@ -183,6 +185,23 @@ impl Mlp {
             (Parameters::Fused(fused), Tape::Fused(tape)) => fused.input_gradient(&tape, d_output),
             _ => unreachable!("a tape is of the network that made it"),
         }
+    }
+
+    /// Lets these outputs be 0 whatever the input is.
+    pub(crate) fn silence(&mut self, outputs: Range<usize>) {
+        let mut layers = self.parameters.layers();
+        if let Some(last) = layers.last_mut() {
+            let silent = |t: &Tensor<3>| {
+                let [members, rows, width] = t.dims();
+                let quiet = Tensor::zeros([members, rows, outputs.len()], &t.device());
+                debug_assert!(outputs.end <= width);
+                t.clone()
+                    .slice_assign([0..members, 0..rows, outputs.clone()], quiet)
+            };
+            last.weight = silent(&last.weight);
+            last.bias = silent(&last.bias);
+        }
+        self.parameters.set_layers(layers);
     }
 
     /// Shrinks each weight matrix whose Frobenius norm is above `limit` to that norm; biases stay.

@@ -1,9 +1,10 @@
 //! Behaviour cloning conditioned on how good an episode is predicted to be, flown at the best.
 //!
 //! ```text
-//! L   = mean over batch and action coordinates of (f0(s) + c_e f1(s) - a)^2
+//! f_c = (1 + c gain) f0(s) + c h(s)
+//! L   = mean over batch and action coordinates of (f_c(s) - a)^2  at  c = c_e
 //! c_e = (R_e - mean R) / (mean R of the `best` episodes - mean R)
-//! pi  = f0(s) + aim * advance * f1(s)
+//! pi  = f_c(s)  at  c = aim * advance
 //! ```
 //!
 //! `e` is the episode of a transition and `R_e` its predicted return; the means are over the episodes that the filter keeps. So 0
@@ -41,6 +42,5 @@ mod tests;
 mod update;
 
 pub use config::ConditionedConfig;
-use losses::conditioned_loss;
 pub use networks::Conditioned;
 pub use update::{Losses, UpdateMetrics};

@@ -3,7 +3,7 @@
 use burn::tensor::Tensor;
 
 use crate::nn::lanes;
-use crate::nn::{Activation, AdamState, Backend, Initialiser, Mlp, MlpShape};
+use crate::nn::{Activation, AdamState, Backend, Initialiser, Mlp, MlpShape, Moments};
 use crate::rng::Seed;
 
 use super::ConditionedConfig;
@@ -14,11 +14,16 @@ pub struct Conditioned {
     pub(super) config: ConditionedConfig,
     pub(super) backend: Backend,
     pub(super) step: u64,
-    /// From observations to `f0` and then `f1`, `[lane, batch, 2 action]`.
+    /// From observations to `f0` and then `h`, `[lane, batch, 2 action]`.
     pub(super) network: Mlp,
     /// The average of its weights, which flies.
     pub(super) average: Mlp,
     pub(super) adam: AdamState,
+    /// How much further than the average the best go its way, `[lane, 1, 1]`.
+    pub(super) gain: Tensor<3>,
+    /// The average of the gain, which flies.
+    pub(super) average_gain: Tensor<3>,
+    pub(super) gain_adam: Moments<3>,
     /// The share of its aim that each lane flies at, `[lane, 1, 1]`: nothing that is learned, but a finished run has to know it.
     pub(super) advance: Tensor<3>,
 }
@@ -35,8 +40,13 @@ impl Conditioned {
     ) -> Self {
         let shape = MlpShape::new(observation, &config.hidden, 2 * action, Activation::Linear);
         let mut rngs: Vec<_> = seeds.iter().map(|s| s.child("network").rng()).collect();
-        let network = Mlp::new(&shape, Initialiser::UniformFanIn, &mut rngs, backend);
+        let mut network = Mlp::new(&shape, Initialiser::UniformFanIn, &mut rngs, backend);
+        network.silence(action..2 * action);
+        let gain = Tensor::zeros([seeds.len(), 1, 1], &backend.device());
         Self {
+            gain_adam: Moments::zeros_like(&gain),
+            average_gain: gain.clone(),
+            gain,
             adam: AdamState::new(&network),
             average: network.clone(),
             advance: Tensor::ones([seeds.len(), 1, 1], &backend.device()),

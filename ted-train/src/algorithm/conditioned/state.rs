@@ -1,5 +1,7 @@
 //! Saving and restoring a learner, lane by lane and to the bit, and the policy that flies.
 
+use burn::tensor::Tensor;
+
 use crate::checkpoint::{Checkpoint, ForeignCheckpoint, Visit};
 use crate::nn::ExportedMlp;
 use crate::nn::lanes;
@@ -27,17 +29,19 @@ impl Conditioned {
         Ok(())
     }
 
-    /// The policy of each lane in the controller's layout: `f0 + c f1` at the condition it is flown at, which is one linear layer
-    /// on the trunk, `W0 + c W1` and `b0 + c b1`.
+    /// The policy of each lane in the controller's layout: `(1 + c gain) f0 + c h` at the condition it is flown at, which is one
+    /// linear layer on the trunk, `(1 + c gain) W0 + c W1` and the same of the biases.
     #[must_use]
     pub fn actors(&self) -> Vec<ExportedMlp> {
         let mut actors = ExportedMlp::members(&self.average);
-        let advances = lanes::means(self.advance.clone(), self.lanes());
-        for (actor, advance) in actors.iter_mut().zip(advances) {
+        let of_lanes = |numbers: &Tensor<3>| lanes::means(numbers.clone(), self.lanes());
+        let (advances, gains) = (of_lanes(&self.advance), of_lanes(&self.average_gain));
+        for ((actor, advance), gain) in actors.iter_mut().zip(advances).zip(gains) {
             let condition = self.config.aim * f64::from(advance);
+            let shares = [1.0 + condition * f64::from(gain), condition];
             if let Some(last) = actor.layers.last_mut() {
-                last.weight = folded(&last.weight, condition);
-                last.bias = folded(&last.bias, condition);
+                last.weight = folded(&last.weight, shares);
+                last.bias = folded(&last.bias, shares);
             }
         }
         actors
@@ -48,15 +52,19 @@ impl Conditioned {
         self.network.parameters.visit("network", visit)?;
         self.average.parameters.visit("average", visit)?;
         self.adam.visit("adam/network", visit)?;
+        visit("gain".to_owned(), &mut self.gain)?;
+        visit("average/gain".to_owned(), &mut self.average_gain)?;
+        visit("adam/gain/first".to_owned(), &mut self.gain_adam.first)?;
+        visit("adam/gain/second".to_owned(), &mut self.gain_adam.second)?;
         visit("advance".to_owned(), &mut self.advance)
     }
 }
 
-/// The first half plus `condition` times the second one, rounded once.
-fn folded(halves: &[f32], condition: f64) -> Vec<f32> {
-    let (average, slope) = halves.split_at(halves.len() / 2);
-    let pairs = average.iter().zip(slope);
+/// The two halves, each in its share, rounded once.
+fn folded(halves: &[f32], shares: [f64; 2]) -> Vec<f32> {
+    let (average, other) = halves.split_at(halves.len() / 2);
+    let pairs = average.iter().zip(other);
     pairs
-        .map(|(&a, &s)| (f64::from(a) + condition * f64::from(s)) as f32)
+        .map(|(&a, &h)| (shares[0] * f64::from(a) + shares[1] * f64::from(h)) as f32)
         .collect()
 }

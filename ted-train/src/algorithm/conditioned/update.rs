@@ -5,7 +5,11 @@ use burn::tensor::Tensor;
 use crate::algorithm::Batch;
 use crate::nn::lanes::{means, tensor};
 
-use super::{Conditioned, conditioned_loss};
+use super::Conditioned;
+use super::losses::{ConditionedLoss, conditioned_loss};
+
+/// The gain is one number that all transitions speak about, and is to be there before the network learns what it could have said.
+pub(super) const GAIN_RATE: f64 = 10.0;
 
 /// Losses of one update of one lane.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -35,7 +39,11 @@ impl Conditioned {
         self.step += 1;
 
         let (heads, tape) = self.network.forward_tape(observation);
-        let (policy_loss, d_heads) = conditioned_loss(heads, condition, action);
+        let ConditionedLoss {
+            loss: policy_loss,
+            d_heads,
+            d_gain,
+        } = conditioned_loss(heads, self.gain.clone(), condition, action);
         let gradients = self.network.gradients(tape, d_heads);
         self.network.shrink(rate * self.config.weight_decay);
         adam.step(
@@ -45,9 +53,18 @@ impl Conditioned {
             rate,
             self.step,
         );
+        adam.tensor(
+            &mut self.gain,
+            &mut self.gain_adam,
+            d_gain,
+            rate * GAIN_RATE,
+            self.step,
+        );
 
         let share = self.config.average_rate(self.step);
         self.average.polyak(&self.network, share);
+        let moved = self.gain.clone() - self.average_gain.clone();
+        self.average_gain = self.average_gain.clone() + moved.mul_scalar(share);
         Losses {
             policy_loss,
             policy_rate: self.config.rate(self.step),

@@ -6,7 +6,9 @@ use crate::nn::scalar::{ScalarAdam, ScalarMlp, central_differences, flat};
 use crate::nn::{Activation, Adam, Backend, ExportedMlp, Mlp};
 use crate::rng::Seed;
 
-use super::{Conditioned, ConditionedConfig, conditioned_loss};
+use super::losses::{ConditionedLoss, conditioned_loss};
+use super::update::GAIN_RATE;
+use super::{Conditioned, ConditionedConfig};
 
 mod choice;
 
@@ -36,37 +38,55 @@ fn all(learner: &Conditioned) -> Vec<(String, Vec<u32>)> {
 fn the_loss_is_the_mean_square_over_rows_and_coordinates_at_each_row_s_condition() {
     for backend in BACKENDS {
         let t = |v: &[f32], width| tensor(v, [1, 2, width], backend);
-        // f0 = (1, 0), f1 = (2, -1), c = 0.5; f0 = (0.5, 1), f1 = (3, 1), c = -1.
+        // f0 = (1, 0), h = (2, -1), c = 0.5; f0 = (0.5, 1), h = (3, 1), c = -1; the gain is 2.
         let heads = t(&[1.0, 0.0, 2.0, -1.0, 0.5, 1.0, 3.0, 1.0], 4);
         let (conditions, actions) = (t(&[0.5, -1.0], 1), t(&[1.0, 0.5, -2.5, 0.5], 2));
-        let (loss, d) = conditioned_loss(heads, conditions, actions);
-        // Errors 1, -1; 0, -0.5.
-        assert_close(&values(loss), &[(1.0 + 1.0 + 0.25) / 4.0], 1e-6, "loss");
-        let expected = [0.5, -0.5, 0.25, -0.25, 0.0, -0.25, 0.0, 0.25];
-        assert_close(&values(d), &expected, 1e-6, "gradient");
+        let gain = tensor(&[2.0], [1, 1, 1], backend);
+        let of = conditioned_loss(heads, gain, conditions, actions);
+        // Errors 2, -1; -1, -2.5.
+        let loss = (4.0 + 1.0 + 1.0 + 6.25) / 4.0;
+        assert_close(&values(of.loss), &[loss], 1e-6, "loss");
+        let expected = [2.0, -1.0, 0.5, -0.25, 0.5, 1.25, 0.5, 1.25];
+        assert_close(&values(of.d_heads), &expected, 1e-6, "gradient");
+        assert_close(&values(of.d_gain), &[2.0], 1e-6, "of the gain");
     }
+}
+
+/// `((1 + c gain) f0 + c h - a)^2` of one row, summed over its coordinates.
+fn squares(heads: &[f64], gain: f64, c: f64, a: impl IntoIterator<Item = f64>) -> f64 {
+    let (average, other) = heads.split_at(ACTION);
+    let parts = average.iter().zip(other).zip(a);
+    let errors = parts.map(|((f0, h), a)| (1.0 + c * gain) * f0 + c * h - a);
+    errors.map(|e| e * e).sum()
 }
 
 #[test]
 fn the_gradient_is_the_slope_of_the_loss() {
     let [heads, c, a] = [2 * ACTION, 1, ACTION].map(|width| numbers(ROWS * width, "loss"));
+    let gain = 0.75;
     for backend in BACKENDS {
         let t = |v: &[f32], width| tensor(v, [1, ROWS, width], backend);
-        let loss_of = |heads: &[f64]| -> f64 {
+        // The last number is the gain.
+        let loss_of = |all: &[f64]| -> f64 {
+            let (&gain, heads) = all.split_last().unwrap();
             let rows = heads.chunks(2 * ACTION).zip(&c).zip(a.chunks(ACTION));
-            let errors = rows.flat_map(|((heads, &c), a)| {
-                let (average, slope) = heads.split_at(ACTION);
-                let parts = average.iter().zip(slope).zip(a);
-                parts.map(move |((f0, f1), &a)| f0 + f64::from(c) * f1 - f64::from(a))
+            let errors = rows.map(|((heads, &c), a)| {
+                squares(heads, gain, c.into(), a.iter().map(|&a| a.into()))
             });
-            errors.map(|e| e * e).sum::<f64>() / (ROWS * ACTION) as f64
+            errors.sum::<f64>() / (ROWS * ACTION) as f64
         };
-        let (loss, d) = conditioned_loss(t(&heads, 2 * ACTION), t(&c, 1), t(&a, ACTION));
-        let heads = wide(&heads);
-        assert_close(&values(loss), &[loss_of(&heads)], 1e-6, "loss");
+        let of_gain = tensor(&[gain], [1, 1, 1], backend);
+        let ConditionedLoss {
+            loss,
+            d_heads,
+            d_gain,
+        } = conditioned_loss(t(&heads, 2 * ACTION), of_gain, t(&c, 1), t(&a, ACTION));
+        let all = [wide(&heads), vec![gain.into()]].concat();
+        assert_close(&values(loss), &[loss_of(&all)], 1e-6, "loss");
+        let slopes = [values(d_heads), values(d_gain)].concat();
         assert_close(
-            &values(d),
-            &central_differences(&heads, loss_of),
+            &slopes,
+            &central_differences(&all, loss_of),
             1e-6,
             "gradient",
         );
@@ -94,33 +114,46 @@ fn updates_are_those_of_scalar_arithmetic_in_every_parameter_and_every_average()
         let mut reference = ScalarMlp::member(&learner.network, 0);
         let mut average = reference.parameters.clone();
         let mut adam = ScalarAdam::new(config.adam, average.len());
+        let (mut gain, mut average_gain) = ([0.0], 0.0);
+        let mut gain_adam = ScalarAdam::new(config.adam, 1);
         for step in 0..3 {
             let batch = batch(&[1], step as u64);
             let read = learner.update(&batch).read();
             let (s, a) = (wide(&batch.observations), wide(&batch.actions));
             let c = wide(&batch.conditions);
-            let loss_of = |p: &[f64]| {
+            // The last number is the gain.
+            let loss_of = |all: &[f64]| {
+                let (&gain, p) = all.split_last().unwrap();
                 let policy = reference.with(p);
                 let rows = s.chunks(OBSERVATION).zip(&c).zip(a.chunks(ACTION));
-                let errors = rows.flat_map(|((s, c), a)| {
-                    let heads = policy.forward(s);
-                    (0..ACTION).map(move |i| heads[i] + c * heads[ACTION + i] - a[i])
-                });
-                errors.map(|e| e * e).sum::<f64>() / (ROWS * ACTION) as f64
+                let errors = rows
+                    .map(|((s, &c), a)| squares(&policy.forward(s), gain, c, a.iter().copied()));
+                errors.sum::<f64>() / (ROWS * ACTION) as f64
             };
-            let loss = loss_of(&reference.parameters);
-            let gradient = central_differences(&reference.parameters, loss_of);
+            let all = [&reference.parameters[..], &gain].concat();
+            let loss = loss_of(&all);
+            let mut gradient = central_differences(&all, loss_of);
+            let d_gain = gradient.pop().unwrap();
             let kept = 1.0 - rates[step] * config.weight_decay;
             reference.parameters.iter_mut().for_each(|p| *p *= kept);
             adam.step(&mut reference.parameters, &gradient, rates[step]);
+            gain_adam.step(&mut gain, &[d_gain], rates[step] * GAIN_RATE);
             for (average, new) in average.iter_mut().zip(&reference.parameters) {
                 *average += shares[step] * (new - *average);
             }
+            average_gain += shares[step] * (gain[0] - average_gain);
             let what = format!("{backend:?}, update {}", step + 1);
             assert_close(&[read[0].policy_loss], &[loss], 1e-5, &what);
             let flat = |network: &Mlp| flat(&network.parameters.layers(), 0);
             assert_close(&flat(&learner.network), &reference.parameters, 2e-6, &what);
             assert_close(&flat(&learner.average), &average, 2e-6, &what);
+            assert_close(&values(learner.gain.clone()), &gain, 2e-6, &what);
+            assert_close(
+                &values(learner.average_gain.clone()),
+                &[average_gain],
+                2e-6,
+                &what,
+            );
         }
     }
 }
@@ -195,9 +228,12 @@ fn what_flies_is_the_average_of_both_halves_at_the_aim() {
             let s = || tensor(&s, [1, 50, OBSERVATION], backend);
             let heads = wide(&values(learner.average.forward(s())));
             let condition = aim * f64::from(advance);
+            let gain = f64::from(values(learner.average_gain.clone())[0]);
+            assert!(gain.abs() > 0.01, "{gain}");
+            let longer = 1.0 + condition * gain;
             let expected: Vec<f64> = heads
                 .chunks(2 * ACTION)
-                .flat_map(|row| (0..ACTION).map(|i| row[i] + condition * row[ACTION + i]))
+                .flat_map(|row| (0..ACTION).map(|i| longer * row[i] + condition * row[ACTION + i]))
                 .collect();
             let actor: ExportedMlp = learner.actors().remove(0);
             assert_eq!(actor.output, Activation::Linear);
