@@ -139,6 +139,7 @@ impl Ends for LaneError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Dataset(error) => error.exit_code(),
+            Self::Collect(error) => error.exit_code(),
             Self::Preference(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
             Self::Train(error) => error.exit_code(),
