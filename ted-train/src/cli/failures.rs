@@ -20,7 +20,7 @@ use crate::reward::LearnError;
 use crate::reward::transport::TransportError;
 use crate::run::RunError;
 use crate::study::cells::CellsError;
-use crate::study::policies::StudyError;
+use crate::study::fill::StudyError;
 use crate::train::TrainError;
 use firmware_sim::disk::WriteError;
 
@@ -169,6 +169,7 @@ impl Ends for StudyError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Config(error) => error.exit_code(),
+            Self::Collect(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
             Self::OtherDataset { .. } => ExitCode::BadInput,
             Self::Scores(error) => error.exit_code(),
