@@ -1,5 +1,7 @@
 //! `ted study`: the measurements behind the defaults and the tables of the documents.
 
+mod answers;
+mod merge;
 mod policies;
 mod reward;
 
@@ -9,7 +11,8 @@ use firmware_sim::failure::Failure;
 const EXAMPLES: &str = "\
 Examples:
   ted study reward
-  ted study policies --presets true,oprl-i+ted --set algorithm.steps=50000";
+  ted study policies --presets true,oprl-i+ted --set algorithm.steps=50000
+  ted study answers --table";
 
 /// Measure what the defaults were chosen by
 #[derive(Debug, Args)]
@@ -23,11 +26,15 @@ pub(super) struct StudyArgs {
 enum Study {
     Reward(reward::RewardArgs),
     Policies(policies::PoliciesArgs),
+    Answers(answers::AnswersArgs),
+    Merge(merge::MergeArgs),
 }
 
 pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
     match &args.study {
         Study::Reward(args) => reward::run(args),
         Study::Policies(args) => policies::run(args),
+        Study::Answers(args) => answers::run(args),
+        Study::Merge(args) => merge::run(args),
     }
 }
