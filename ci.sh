@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must pass before a merge, cheapest first. Needs Rust, Python, and for the firmware QEMU and a C compiler; on a
+# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, and Slurm; on a
 # Debian machine of CI's own what is missing is installed. The simulator's packages are installed by the tests that need them.
 # One profile throughout: burn is built once, and tests of numbers want it optimised.
 set -euo pipefail
@@ -43,6 +43,7 @@ installed() {
     done
     find_python
     for_the_firmware
+    for_the_cluster
     cargo --version
     "$python" --version
     qemu-system-arm --version | head -1
@@ -58,6 +59,15 @@ for_the_firmware() {
         rustup target add "$target" 2>/dev/null && continue
         [ -e /usr/lib/rustlib/src/rust/library/core/src/lib.rs ] && command -v arm-none-eabi-ld >/dev/null && continue
         debian rustc-web cargo-web rust-web-src binutils-arm-none-eabi
+    done
+}
+
+# A cluster of one machine; its daemons are where only an administrator looks for commands.
+for_the_cluster() {
+    for command in sbatch slurmctld slurmd munged; do
+        PATH="$PATH:/usr/sbin" command -v "$command" >/dev/null && continue
+        debian slurmctld slurmd slurm-client munge
+        break
     done
 }
 
@@ -110,3 +120,4 @@ step "types with CUDA" with_cuda
 step "documentation" documented
 step "the firmware images: no panic, no allocation, sizes" firmware-sim/firmware/check.sh
 step "tests" cargo test --locked --release --workspace
+step "a study on a cluster" tests/slurm/check.sh

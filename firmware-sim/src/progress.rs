@@ -110,6 +110,15 @@ impl Progress {
         self.line_when_due();
     }
 
+    /// Who is shown other work that goes on meanwhile: a log takes lines of both, and a terminal has room for one bar.
+    #[must_use]
+    pub fn beside(&self) -> Audience {
+        match self.audience {
+            Audience::Log => Audience::Log,
+            Audience::Terminal | Audience::Nobody => Audience::Nobody,
+        }
+    }
+
     /// Says one line above the bar, without tearing it.
     pub fn note(&self, line: &str) {
         if self.audience != Audience::Nobody {

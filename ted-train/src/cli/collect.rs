@@ -5,16 +5,14 @@ use std::path::PathBuf;
 use std::thread;
 
 use clap::Args;
-use firmware_sim::bridge::{Engine, environment};
+use firmware_sim::bridge::Engine;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 use firmware_sim::plants::toy::Units;
 use firmware_sim::tasks;
 
-use crate::collect::{
-    CollectConfig, CollectReport, Recipe, ToySource, finished, run as collect, run_on,
-};
+use crate::collect::{CollectConfig, CollectReport, Recipe, run_anywhere};
 
 use super::failures::end;
 use super::locate::datasets_root;
@@ -83,18 +81,8 @@ pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
             workers: workers(args.workers),
             root: args.root.clone().unwrap_or_else(datasets_root),
         };
-        let audience = args.output.audience();
-        let report = match (finished(&config).map_err(end)?, ToySource::of(&config)) {
-            (Some(report), _) => report,
-            (None, Some(mut toy)) => run_on(&config, &mut toy, audience).map_err(end)?,
-            (None, None) => {
-                let environment = environment::ensure(audience)
-                    .map_err(end)?
-                    .with_engine(args.engine);
-                collect(&config, &environment, audience).map_err(end)?
-            }
-        };
-        reports.push(report);
+        let report = run_anywhere(&config, args.engine, args.output.audience());
+        reports.push(report.map_err(end)?);
     }
     args.output.print(&reports, || {
         reports.iter().map(text).collect::<Vec<_>>().join("\n\n")

@@ -19,8 +19,10 @@ use crate::replay::ReplayDatasetError;
 use crate::reward::LearnError;
 use crate::reward::transport::TransportError;
 use crate::run::RunError;
+use crate::study::answers::MergeError;
 use crate::study::cells::CellsError;
-use crate::study::policies::StudyError;
+use crate::study::fill::StudyError;
+use crate::study::slurm::SlurmError;
 use crate::train::TrainError;
 use firmware_sim::disk::WriteError;
 
@@ -139,6 +141,7 @@ impl Ends for LaneError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Dataset(error) => error.exit_code(),
+            Self::Collect(error) => error.exit_code(),
             Self::Preference(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
             Self::Train(error) => error.exit_code(),
@@ -168,10 +171,29 @@ impl Ends for StudyError {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Config(error) => error.exit_code(),
+            Self::Collect(error) => error.exit_code(),
             Self::Run(error) => error.exit_code(),
             Self::OtherDataset { .. } => ExitCode::BadInput,
             Self::Scores(error) => error.exit_code(),
             Self::Fleet(error) => error.exit_code(),
+        }
+    }
+}
+
+impl Ends for MergeError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Study(error) => error.exit_code(),
+            Self::Contradiction { .. } => ExitCode::BadInput,
+        }
+    }
+}
+
+impl Ends for SlurmError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Write(error) => error.exit_code(),
+            Self::NoCommand(_) | Self::Refused(_) => ExitCode::Failure,
         }
     }
 }

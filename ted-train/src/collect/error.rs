@@ -4,6 +4,7 @@ use super::Recipe;
 use crate::dataset::DatasetError;
 use crate::dataset::minari::EpisodeError;
 use firmware_sim::bridge::BridgeError;
+use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::disk::WriteError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::tasks::TaskError;
@@ -47,6 +48,9 @@ pub enum CollectError {
         /// The recipe.
         recipe: Recipe,
     },
+    /// There is no simulator.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
     /// The simulator failed.
     #[error(transparent)]
     Bridge(#[from] BridgeError),
@@ -79,6 +83,7 @@ impl CollectError {
             | Self::TooManyGood { .. }
             | Self::NotTheToy { .. }
             | Self::NoGoodPart { .. } => ExitCode::Usage,
+            Self::Setup(error) => error.exit_code(),
             Self::Bridge(error) => error.exit_code(),
             Self::Dataset(_) => ExitCode::BadInput,
             Self::Write(error) => error.exit_code(),

@@ -19,7 +19,7 @@ pub use toy::ToySource;
 
 use crate::dataset::Shape;
 use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin};
-use firmware_sim::bridge::Environment;
+use firmware_sim::bridge::{Engine, Environment, environment};
 use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use plan::Plan;
@@ -77,6 +77,26 @@ impl CollectConfig {
     /// As [`CollectConfig::dataset_id`].
     pub fn folder(&self) -> Result<PathBuf, CollectError> {
         Ok(Plan::new(self)?.folder())
+    }
+}
+
+/// Collects what is missing of a dataset where its task is played: the toy in this process, Meta-World on this engine of the
+/// simulator, which is installed first if need be.
+pub fn run_anywhere(
+    config: &CollectConfig,
+    engine: Engine,
+    audience: Audience,
+) -> Result<CollectReport, CollectError> {
+    if let Some(report) = finished(config)? {
+        return Ok(report);
+    }
+    match ToySource::of(config) {
+        Some(mut toy) => run_on(config, &mut toy, audience),
+        None => run(
+            config,
+            &environment::ensure(audience)?.with_engine(engine),
+            audience,
+        ),
     }
 }
 

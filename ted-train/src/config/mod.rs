@@ -17,7 +17,7 @@ use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::nn::Backend;
 use crate::preferences::{ScriptedTeacher, TeacherConfig};
-use crate::reward::RewardConfig;
+use crate::reward::{RewardConfig, RewardLearner};
 use crate::rng::Seed;
 use crate::ted::DiscountConfig;
 
@@ -93,6 +93,14 @@ impl Config {
     #[must_use]
     pub fn simulated_teacher(&self) -> ScriptedTeacher {
         ScriptedTeacher::new(self.teacher, Seed::root(self.seed).child("teacher"))
+    }
+
+    /// How many answers are asked for.
+    #[must_use]
+    pub fn answers(&self) -> usize {
+        let of_rewards = self.reward.learner().map_or(0, RewardLearner::queries);
+        let of_policy = self.algorithm.questions().map_or(0, |it| it.queries);
+        of_rewards + of_policy
     }
 
     /// Digest of the canonical form, which travels in the artefact.

@@ -24,7 +24,7 @@ pub fn together(
     let audience = watch.audience();
     let mut ends = Ends(lanes.iter().map(|_| None).collect());
     let begun = lanes.iter().enumerate();
-    let begun = ends.stage(begun, |lane| lane.begin(datasets));
+    let begun = ends.stage(begun, |lane| lane.begin(datasets, watch));
     let prepared = begun.iter().map(|(place, run)| (*place, run));
     let prepared = ends.stage(prepared, |run| Ok((run, run.prepare(audience)?)));
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::collect::CollectError;
 use crate::dataset::DatasetError;
 use crate::evaluate::EvaluateError;
 use crate::preferences::PreferenceError;
@@ -14,6 +15,9 @@ pub enum LaneError {
     /// Its dataset.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// Its dataset was missing and could not be collected.
+    #[error(transparent)]
+    Collect(#[from] CollectError),
     /// The answers it was given.
     #[error(transparent)]
     Preference(#[from] PreferenceError),

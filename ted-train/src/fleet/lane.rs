@@ -19,7 +19,7 @@ use crate::preferences::{PreferenceLog, ReplayTeacher, Teacher};
 use crate::reward::RewardLearner;
 use crate::reward::episodes::Confidence;
 use crate::run::{DatasetReference, PREFERENCES, RunFolder};
-use crate::train::{Finished, LearnedPolicy, Prepared, check, check_teacher};
+use crate::train::{Finished, LearnedPolicy, Prepared, Watch, check, check_teacher};
 
 /// A run that is to be made, or gone on with.
 #[derive(Clone, Debug)]
@@ -87,10 +87,15 @@ impl Lane {
     }
 
     /// Opens what the run needs. Nothing is begun that cannot be ended.
-    pub(super) fn begin(&self, datasets: &Datasets) -> Result<Begun<'_>, LaneError> {
+    pub(super) fn begin(
+        &self,
+        datasets: &Datasets,
+        watch: Watch<'_>,
+    ) -> Result<Begun<'_>, LaneError> {
         if interrupt::requested() {
             return Err(LaneError::NotBegun);
         }
+        datasets.complete(&self.dataset, watch)?;
         let dataset = datasets.open(&self.dataset)?;
         let reference = DatasetReference {
             id: dataset.id().to_owned(),

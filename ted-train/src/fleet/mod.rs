@@ -6,6 +6,7 @@
 //! different tasks and methods go together.
 
 mod batch;
+mod collecting;
 mod crew;
 mod datasets;
 mod error;
@@ -44,7 +45,10 @@ pub fn run(
         let (places, batch): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
         let outcomes = one(&batch, datasets, crew.threads, &progress);
         for (lane, end) in batch.iter().zip(&outcomes) {
-            progress.note(&describe(lane, end));
+            // Of many that were not begun, each would say the same.
+            if !matches!(end, Err(LaneError::NotBegun)) {
+                progress.note(&describe(lane, end));
+            }
         }
         places.iter().for_each(|place| ended(*place));
         // Nothing panics while it holds this.

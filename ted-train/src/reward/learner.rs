@@ -20,6 +20,9 @@ pub trait RewardLearner {
     /// When it has not.
     fn check(&self, dataset: &Dataset) -> Result<(), LearnError>;
 
+    /// How many answers it asks for.
+    fn queries(&self) -> usize;
+
     /// Asks what does not depend on anything that is learned.
     ///
     /// # Errors

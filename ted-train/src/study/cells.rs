@@ -78,10 +78,14 @@ pub fn check_writable(path: &Path) -> Result<(), WriteError> {
 /// # Panics
 /// Never: a cell is plain data.
 pub fn append<C: Serialize + DeserializeOwned>(path: &Path, cell: &C) -> Result<(), WriteError> {
-    let line = serde_json::to_string(cell).expect("a cell is plain data") + "\n";
     disk::create_folder(folder_of(path))?;
-    append_line::<C>(path, &line).map_err(|source| WriteError::at(path, source))?;
+    append_line::<C>(path, &line(cell)).map_err(|source| WriteError::at(path, source))?;
     disk::sync_folder(folder_of(path))
+}
+
+/// A cell as a line of a file.
+pub(super) fn line<C: Serialize>(cell: &C) -> String {
+    serde_json::to_string(cell).expect("a cell is plain data") + "\n"
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -1,9 +1,13 @@
 //! Studies: the measurements behind the defaults, each a command that prints the table in the docs.
 
+pub mod answers;
 pub mod cells;
+pub mod fill;
 pub mod paper;
 pub mod policies;
 pub mod reward;
+pub mod run;
+pub mod slurm;
 pub mod table;
 
 /// Mean and sample standard deviation of the seeds, each number as `text` writes it; one seed has no deviation.

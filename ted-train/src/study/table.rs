@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use crate::reward::quality::RewardQuality;
 
-use super::policies::PolicyScore;
+use super::run::RunScore;
 
 /// A Markdown table: a row for each task and preset, mean and sample standard deviation over seeds.
 #[must_use]
-pub fn table(scores: &[PolicyScore]) -> String {
-    let mut groups: BTreeMap<(&str, &str), Vec<&PolicyScore>> = BTreeMap::new();
+pub fn table(scores: &[RunScore]) -> String {
+    let mut groups: BTreeMap<(&str, &str), Vec<&RunScore>> = BTreeMap::new();
     for score in scores {
         groups
             .entry((&score.dataset, score.config.preset.name()))
@@ -21,7 +21,7 @@ pub fn table(scores: &[PolicyScore]) -> String {
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
     ];
     for ((dataset, preset), group) in groups {
-        let column = |digits: usize, value: &dyn Fn(&PolicyScore) -> f64| {
+        let column = |digits: usize, value: &dyn Fn(&RunScore) -> f64| {
             let values: Vec<_> = group.iter().map(|s| value(s)).collect();
             super::spread(&values, |value| format!("{value:.digits$}"))
         };
@@ -53,7 +53,7 @@ pub fn table(scores: &[PolicyScore]) -> String {
     rows.join("\n")
 }
 
-fn paper_score(of: &PolicyScore) -> String {
+fn paper_score(of: &RunScore) -> String {
     let known = super::paper::score(&of.evaluation.task, of.config.preset);
     known.map_or_else(
         || "-".to_owned(),
@@ -62,7 +62,7 @@ fn paper_score(of: &PolicyScore) -> String {
 }
 
 /// Mean wall time of those whose time is known.
-fn minutes(group: &[&PolicyScore]) -> String {
+fn minutes(group: &[&RunScore]) -> String {
     let known: Vec<f64> = group.iter().filter_map(|score| score.minutes).collect();
     match known.len() {
         0 => "-".to_owned(),

@@ -23,6 +23,23 @@ impl<'p> Watch<'p> {
         }
     }
 
+    /// Who is told about work that is none of a run's, and that many may wait for.
+    #[must_use]
+    pub fn beside(self) -> Audience {
+        match self {
+            Self::Alone(audience) => audience,
+            Self::Fleet(whole) => whole.beside(),
+        }
+    }
+
+    /// Says one line that is of interest to whoever waits, for this run or for many.
+    pub fn note(self, line: &str) {
+        match self {
+            Self::Alone(audience) => audience.note(line),
+            Self::Fleet(whole) => whole.note(line),
+        }
+    }
+
     /// Begins the updates of the run.
     pub(super) fn updates(self, steps: u64) -> Updates<'p> {
         match self {

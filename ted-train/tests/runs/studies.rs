@@ -1,6 +1,7 @@
 //! Studies by the command: the published table, and a table of nothing.
 
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use crate::command::{Desk, finish, ted};
 
@@ -19,11 +20,12 @@ fn a_table_of_no_finished_run_is_an_error_that_says_where_it_looked() {
     assert!(!scores.exists() && !out.exists());
 }
 
-#[test]
-fn the_documents_have_the_table_that_their_command_prints_and_nothing_is_missing_of_it() {
+/// A section of the page of results, and what its first command prints of its file of scores, without a run folder.
+fn section_and_table(title: &str) -> (String, String) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let page = std::fs::read_to_string(root.join("docs/results.md")).unwrap();
-    let (_, section) = page.split_once("## Every method").unwrap();
+    let (_, section) = page.split_once(&format!("## {title}\n")).unwrap();
+    let section = section.split("\n## ").next().unwrap();
     let (_, block) = section.split_once("```sh\n").unwrap();
     let (command, _) = block.split_once("\n```").unwrap();
     let command = command.replace("\\\n", " ");
@@ -32,12 +34,19 @@ fn the_documents_have_the_table_that_their_command_prints_and_nothing_is_missing
     // Where no run folder is, so that the table can only be of the file.
     let desk = Desk::new();
     let folder = desk.run("study");
-    let out = words.iter().position(|word| *word == "--out").unwrap();
-    words[out + 1] = folder.to_str().unwrap();
-
+    words.retain(|word| *word != "--table");
+    if let Some(out) = words.iter().position(|word| *word == "--out") {
+        words.drain(out..out + 2);
+    }
     let mut study = ted();
-    study.current_dir(&root).args(&words).arg("--table");
-    let table = finish(&mut study).with(0).said;
+    study.current_dir(&root).args(&words);
+    study.args(["--table", "--out"]).arg(&folder);
+    (section.to_owned(), finish(&mut study).with(0).said)
+}
+
+#[test]
+fn the_documents_have_the_table_that_their_command_prints_and_nothing_is_missing_of_it() {
+    let (section, table) = section_and_table("Every method");
     assert!(section.contains(&table), "{table}");
     let rows: Vec<&str> = table.lines().skip(2).collect();
     for row in &rows {
@@ -49,4 +58,106 @@ fn the_documents_have_the_table_that_their_command_prints_and_nothing_is_missing
     let lines = all.said.lines().skip(1);
     let presets = lines.filter(|line| !line.contains("docs/steer.md")).count();
     assert_eq!(rows.len(), 2 * presets, "two tasks");
+}
+
+#[test]
+fn the_documents_have_the_tables_of_answers_that_their_command_prints() {
+    let (section, tables) = section_and_table("Ten answers");
+    assert!(section.contains(&tables), "{tables}");
+}
+
+#[test]
+fn a_study_of_answers_of_which_nothing_is_finished_is_an_error_that_says_where_it_looked() {
+    let desk = Desk::new();
+    let scores = desk.run("misspelt.jsonl");
+    let mut study = ted();
+    study.args(["study", "answers", "--methods", "clone", "--table"]);
+    finish(study.arg("--scores").arg(&scores))
+        .with(2)
+        .telling(scores.to_str().unwrap());
+    assert!(!scores.exists());
+}
+
+/// The cheapest study there is: clones of two updates on the toy, which is collected on the way.
+fn clones(desk: &Desk) -> Command {
+    let mut study = ted();
+    study.env("MINARI_DATASETS_PATH", desk.run("data"));
+    study.current_dir(desk.folder.path());
+    study.args([
+        "study",
+        "answers",
+        "--families",
+        "other",
+        "--methods",
+        "clone",
+    ]);
+    study.args([
+        "--set",
+        "algorithm.steps=2",
+        "--set",
+        "algorithm.hidden=[8]",
+    ]);
+    study.args(["--scores", "all.jsonl", "--out", "runs"]);
+    study
+}
+
+#[test]
+fn parts_of_a_study_collect_what_they_need_side_by_side_and_join_to_the_whole() {
+    let desk = Desk::new();
+    let parts: Vec<_> = ["1/2", "2/2"]
+        .map(|part| {
+            let mut study = clones(&desk);
+            study
+                .args(["--shard", part, "--quiet"])
+                .stdout(Stdio::null());
+            study.spawn().unwrap()
+        })
+        .into_iter()
+        .map(|mut part| part.wait().unwrap().code())
+        .collect();
+    assert_eq!(parts, [Some(0), Some(0)]);
+    let mut merge = ted();
+    merge
+        .current_dir(desk.folder.path())
+        .args(["study", "merge"]);
+    merge.args([
+        "all.1-of-2.jsonl",
+        "all.2-of-2.jsonl",
+        "--into",
+        "all.jsonl",
+    ]);
+    let said = finish(&mut merge).with(0).said;
+    assert!(said.starts_with("6 scores in all.jsonl"), "{said}");
+
+    // From the scores alone: nothing is left to do or to collect.
+    for folder in ["data", "runs"] {
+        std::fs::remove_dir_all(desk.run(folder)).unwrap();
+    }
+    let tables = finish(&mut clones(&desk)).with(0).said;
+    assert!(tables.contains("(`other`), 6 of 6 runs"), "{tables}");
+    assert!(!desk.run("data").exists());
+
+    // A line that says something else is not joined.
+    let scores = std::fs::read_to_string(desk.run("all.jsonl")).unwrap();
+    let mean = scores.split("\"return_mean\":").nth(1).unwrap();
+    let mean = mean.split(',').next().unwrap();
+    let other = scores.replacen(
+        &format!("\"return_mean\":{mean}"),
+        "\"return_mean\":-1.0",
+        1,
+    );
+    std::fs::write(desk.run("all.1-of-2.jsonl"), other).unwrap();
+    finish(&mut merge).with(3).telling("all.1-of-2.jsonl");
+    assert_eq!(
+        std::fs::read_to_string(desk.run("all.jsonl")).unwrap(),
+        scores
+    );
+}
+
+#[test]
+fn without_a_cluster_slurm_is_an_error_that_says_so() {
+    let desk = Desk::new();
+    let mut study = clones(&desk);
+    study.env("PATH", desk.folder.path()).args(["--slurm", "2"]);
+    finish(&mut study).with(1).telling("cannot run sbatch");
 }

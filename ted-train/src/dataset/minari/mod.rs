@@ -18,7 +18,7 @@ pub use id::DatasetId;
 pub use metadata::{Behaviour, EpisodeNote, Origin};
 pub(super) use reader::read;
 pub use writer::{DatasetWriter, EpisodeError};
-pub(crate) use writer::{finished_origin, kept_episode};
+pub(crate) use writer::{finished_origin, is_finished, kept_episode};
 
 /// The Minari version whose layout is written; newer packages read it too.
 pub const MINARI_VERSION: &str = "0.5.4";

@@ -212,6 +212,11 @@ pub(crate) fn kept_episode(
     (same && *blake3::hash(&part).to_hex() == *note.blake3).then_some(note)
 }
 
+/// Whether the dataset at `folder` is complete: its metadata comes last.
+pub(crate) fn is_finished(folder: &Path) -> bool {
+    folder.join(DATA).join(METADATA).exists()
+}
+
 /// How the dataset at `folder` was collected, if its collection was finished.
 pub(crate) fn finished_origin(folder: &Path) -> Option<Origin> {
     DatasetMetadata::read(&folder.join(DATA))

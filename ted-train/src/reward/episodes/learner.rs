@@ -16,6 +16,10 @@ impl RewardLearner for EpisodesConfig {
         }
     }
 
+    fn queries(&self) -> usize {
+        self.queries
+    }
+
     /// Each question depends on the answers before it: nothing is asked beforehand.
     fn ask(
         &self,

@@ -13,6 +13,10 @@ impl RewardLearner for OprlConfig {
         Ok(())
     }
 
+    fn queries(&self) -> usize {
+        Self::queries(self)
+    }
+
     fn ask(
         &self,
         on: Material<'_>,

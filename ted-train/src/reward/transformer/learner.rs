@@ -15,6 +15,10 @@ impl RewardLearner for PtConfig {
         self.questions().check(dataset)
     }
 
+    fn queries(&self) -> usize {
+        self.queries
+    }
+
     fn ask(
         &self,
         on: Material<'_>,
