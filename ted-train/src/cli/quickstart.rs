@@ -27,7 +27,7 @@ Examples:
 Less than two minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
 A stopped quickstart goes on where it was. The method at full size: ted collect, ted train.";
 
-/// A task on which the paper's method stays below the clone of the logs: what ten answers are worth shows here.
+/// A task on which the paper's method stays below the clone of the logs.
 const DEFAULT_TASK: &str = "box-close-v3";
 
 /// Collect, ask ten questions, learn a reward and a policy, export, fly and cross-check, at reduced size
@@ -121,7 +121,7 @@ fn text(report: &Quickstart) -> String {
         paths.row([written.what.to_owned(), written.path.display().to_string()]);
     }
     let verdict = if report.beats_clone {
-        "Ten answers made more of the logs than imitating them does."
+        "A look at the logs and ten answers made more of them than imitating all of them does."
     } else {
         "The policy returns no more than the clone of its logs: give it more --episodes or --steps, or another --task."
     };

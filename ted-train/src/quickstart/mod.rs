@@ -1,5 +1,5 @@
-//! The whole pipeline at reduced size: from nothing to a policy that has flown, and beside it the clone of the same logs, which
-//! needs no answers: what ten of them are worth is the difference.
+//! The whole pipeline at reduced size: from nothing to a policy that has flown, and beside it the clone of the same logs, which is
+//! what they give without a look and without an answer.
 //!
 //! Every stage is the one that the other commands run, with smaller numbers, and every stage goes on where it was stopped.
 
