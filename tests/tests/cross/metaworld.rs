@@ -109,8 +109,11 @@ fn trained(root: &Path, preset: &[&str], sets: &[&str]) -> Value {
         .args(["eval", "run", "--episodes", "2", "--workers", "1", "--json"]);
     let code = if trained["faulted"] == 0 { 0 } else { 7 };
     let evaluated: Value = serde_json::from_str(&said(&mut eval, &[code])).unwrap();
-    assert_eq!(evaluated, trained);
-    trained
+    // `ted train` says beside it how sure it is, where a reward can tell.
+    for (field, value) in evaluated.as_object().unwrap() {
+        assert_eq!(value, &trained[field], "{field}");
+    }
+    evaluated
 }
 
 #[test]
@@ -178,10 +181,10 @@ fn the_default_preset_flies_on_a_cortex_m_in_integers_and_scores_its_episodes_as
     let root = folder.path();
     // Few updates everywhere: what is compared is the same for a policy that is worth little.
     let sets = [
-        "algorithm.steps=50",
+        "algorithm.steps=400",
         "algorithm.hidden=[32]",
-        "reward.clone.steps=20",
-        "reward.network.steps=20",
+        "reward.clone.steps=200",
+        "reward.network.steps=200",
     ];
     trained(root, &[], &sets);
     let flown = |command_and_more: &[&str]| -> Value {
