@@ -50,8 +50,8 @@ pub enum ScoreError {
     Load(#[from] ArtifactError),
     /// The artefact lacks what scoring needs.
     #[error(
-        "score with the artefact: it has no {missing}; train with a learned reward and TED's discount, as the preset \
-         oprl-i+ted does"
+        "score with the artefact: it has no {missing}; train with a learned reward and TED's border, as the default preset \
+         steer does"
     )]
     CannotScore {
         /// What it lacks.

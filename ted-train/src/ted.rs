@@ -85,6 +85,13 @@ impl DiscountConfig {
         k: 70.0,
         sigma: 0.7,
     };
+    /// TED that lowers nothing: all that is left of it is the border of the best tenth, by which a device tells good episodes
+    /// of its own from the others.
+    pub const BORDER: Self = Self::Ted {
+        gamma: 0.99,
+        k: 10.0,
+        sigma: 1.0,
+    };
     /// The same numbers by transition.
     pub const TED_TRANSITION: Self = Self::TedTransition {
         gamma: 0.99,

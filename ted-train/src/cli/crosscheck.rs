@@ -18,7 +18,7 @@ use super::table::{Align, Table};
 
 const EXAMPLES: &str = "\
 Examples:
-  ted crosscheck runs/drawer-open-v3/oprl-i+ted/seed-0
+  ted crosscheck runs/drawer-open-v3/steer/seed-0
   ted crosscheck runs/drawer-open-v3/true/seed-0 --sample 20000 --episodes 0 --json
 
 Exit code 7 when something differs that must not.";

@@ -19,8 +19,8 @@ use super::locate::dataset_of;
 
 const EXAMPLES: &str = "\
 Examples:
-  ted export runs/drawer-open-v3/oprl-i+ted/seed-0
-  ted export runs/drawer-open-v3/oprl-i+ted/seed-0 --out drawer.ted
+  ted export runs/drawer-open-v3/steer/seed-0
+  ted export runs/drawer-open-v3/steer/seed-0 --out drawer.ted
 
 The bytes are those that `ted train` wrote: a function of checkpoint, reward ensemble and dataset.";
 

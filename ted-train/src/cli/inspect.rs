@@ -20,8 +20,8 @@ use super::table::{Align, Table};
 
 const EXAMPLES: &str = "\
 Examples:
-  ted inspect runs/drawer-open-v3/oprl-i+ted/seed-0/policy.ted
-  ted inspect runs/drawer-open-v3/oprl-i+ted/seed-0 --json
+  ted inspect runs/drawer-open-v3/steer/seed-0/policy.ted
+  ted inspect runs/drawer-open-v3/steer/seed-0 --json
   ted inspect ted/drawer-open-v3-paper-s0-v0
   ted inspect drawer-open-v3 --look                  what the logs say before anybody is asked
 

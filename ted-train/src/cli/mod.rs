@@ -29,9 +29,9 @@ A first run, all of it at reduced size:
 
 The same step by step:
   ted collect --task drawer-open-v3
-  ted train drawer-open-v3 --preset oprl-i+ted --seed 0
-  ted crosscheck runs/drawer-open-v3/oprl-i+ted/seed-0
-  firmware-sim fly runs/drawer-open-v3/oprl-i+ted/seed-0/policy.ted --episodes 50
+  ted train drawer-open-v3 --seed 0
+  ted crosscheck runs/drawer-open-v3/steer/seed-0
+  firmware-sim fly runs/drawer-open-v3/steer/seed-0/policy.ted --episodes 50
 
 Exit codes: 0 done, 1 other failure, 2 usage, 3 bad input file, 4 Python or simulator, 5 folder in use, \
 6 disk, 7 fault or mismatch, 130 interrupted.";

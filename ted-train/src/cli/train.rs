@@ -23,10 +23,11 @@ use super::seeds::Seeds;
 
 const EXAMPLES: &str = "\
 Examples:
-  ted train drawer-open-v3                                   the method, with the paper's constants
+  ted train drawer-open-v3                                   our method, steer
+  ted train drawer-open-v3 --preset oprl-i+ted               the paper's, with its constants
   ted train drawer-open-v3 --preset true --seed 2            true rewards, another seed
   ted train --preset list                                    every preset, what it is for and where it comes from
-  ted train drawer-open-v3 --set algorithm.steps=50000 --set discount.sigma=0.5
+  ted train drawer-open-v3 --set algorithm.steps=40000 --set reward.queries=20
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
   ted train drawer-open-v3,box-close-v3 --preset oprl-i,oprl-i+ted --seeds 0..6      a fleet of 24 runs
   ted train drawer-open-v3 --seeds 0..6 --device cuda        six runs as one batch on a GPU
@@ -55,7 +56,7 @@ pub(super) struct TrainArgs {
     /// Tasks that were collected: another way to name their datasets
     #[arg(long, value_delimiter = ',', value_name = "TASK")]
     task: Vec<String>,
-    /// The compositions of reward source, filter, discount and algorithm; that of --config, or oprl-i+ted, if not given
+    /// The compositions of reward source, filter, discount and algorithm; that of --config, or steer, if not given
     #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true)]
     preset: Vec<PresetArg>,
     /// Root of all randomness; that of --config, or 0, if not given

@@ -89,11 +89,16 @@ impl Config {
             );
             return refuse("discount", reason);
         }
-        if !self.algorithm.reads_discounts()
-            && !matches!(self.discount, DiscountConfig::Constant { .. })
-        {
+        // What is left of TED with a sigma of 1 is a border among the returns of a learned reward, for a device.
+        let heard = match self.discount {
+            DiscountConfig::Constant { .. } => true,
+            DiscountConfig::Ted { sigma, .. } => sigma == 1.0 && self.reward.learner().is_some(),
+            _ => false,
+        };
+        if !self.algorithm.reads_discounts() && !heard {
             let reason = format!(
-                "{algorithm} looks at no discount, so nothing would come of it: set discount.rule = \"constant\""
+                "{algorithm} looks at no discount, so nothing would come of a lower one: set discount.rule = \"constant\", or, if a \
+                 reward is learned, rule \"ted\" with discount.sigma = 1, which leaves a device the border of the top k % alone"
             );
             return refuse("discount", reason);
         }

@@ -303,7 +303,7 @@ mod tests {
             |text: &str, preset, seed| file(text).unwrap().resolve(preset, seed).unwrap();
 
         let unnamed = resolved("algorithm.steps = 7", None, None);
-        assert_eq!((unnamed.preset, unnamed.seed), (Preset::OprlITed, 0));
+        assert_eq!((unnamed.preset, unnamed.seed), (Preset::Steer, 0));
         // A preset is a composition and not a label: naming it changes what is computed.
         let named = resolved("preset = \"zero\"\nseed = 5", None, None);
         let zero = Preset::Zero.config();

@@ -31,6 +31,7 @@ pub enum Preset {
     True,
     TrueTed,
     TrueConditioned,
+    #[default]
     Steer,
     Zero,
     ZeroTed,
@@ -39,7 +40,6 @@ pub enum Preset {
     Negative,
     NegativeTed,
     OprlI,
-    #[default]
     OprlITed,
     OprlITedTransition,
     OprlITedSoft,
@@ -147,7 +147,7 @@ pub const TABLE: [Row; 25] = [
     row(
         Preset::OprlITed,
         "oprl-i+ted",
-        "the same with transition-dependent discounting: the method",
+        "the same with transition-dependent discounting: the paper's method",
         "paper, Table 4",
     ),
     row(
@@ -267,6 +267,7 @@ impl Preset {
             | Self::OprlITed
             | Self::OprlAtacTed
             | Self::PtTed => DiscountConfig::TED,
+            Self::Steer => DiscountConfig::BORDER,
             Self::OprlITedTransition => DiscountConfig::TED_TRANSITION,
             Self::OprlITedSoft => DiscountConfig::TED_SOFT,
             Self::OprlIPenalty => DiscountConfig::REWARD_PENALTY,
@@ -376,7 +377,18 @@ mod tests {
     }
 
     #[test]
-    fn the_default_is_the_paper_s_setting_with_the_constants_of_the_methods_it_builds_on() {
+    fn the_default_is_our_own_which_lowers_no_discount_and_leaves_a_border_for_a_device() {
+        let config = Preset::default().config();
+        assert_eq!(config.preset, Preset::Steer);
+        let DiscountConfig::Ted { gamma, sigma, .. } = config.discount else {
+            panic!("{:?}", config.discount);
+        };
+        assert_eq!(sigma, 1.0);
+        assert_eq!(DiscountConfig::CONSTANT, DiscountConfig::Constant { gamma });
+    }
+
+    #[test]
+    fn the_method_of_the_paper_has_its_setting_and_the_constants_of_the_methods_it_builds_on() {
         let Config {
             preset,
             seed,
@@ -385,7 +397,7 @@ mod tests {
             discount,
             algorithm,
             ..
-        } = Preset::default().config();
+        } = Preset::OprlITed.config();
         assert_eq!((preset, seed, unit_rewards), (Preset::OprlITed, 0, true));
         let (gamma, k, sigma) = (0.99, 70.0, 0.7);
         assert_eq!(discount, DiscountConfig::Ted { gamma, k, sigma });

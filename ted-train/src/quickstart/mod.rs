@@ -1,4 +1,5 @@
-//! The whole pipeline at reduced size: from nothing to a policy that has flown, in minutes.
+//! The whole pipeline at reduced size: from nothing to a policy that has flown, and beside it the clone of the same logs, which is
+//! what they give without a look and without an answer.
 //!
 //! Every stage is the one that the other commands run, with smaller numbers, and every stage goes on where it was stopped.
 
@@ -16,9 +17,10 @@ use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
 use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate_once};
-use crate::preferences::ScriptedTeacher;
+use crate::preferences::{ScriptedTeacher, Teacher};
+use crate::reward::episodes::Confidence;
 use crate::run::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
-use crate::train::{TrainError, train};
+use crate::train::{RewardReport, TrainError, train};
 use firmware_sim::disk::WriteError;
 
 use narrator::Narrator;
@@ -29,7 +31,7 @@ const SCRIPTED_EPISODES: u32 = 5;
 const FLOWN_EPISODES: u32 = 10;
 /// Of these, how many the cross-check flies again.
 const CHECKED_EPISODES: u32 = 2;
-/// Updates between two checkpoints: about half a minute.
+/// Updates between two checkpoints: a few seconds.
 const CHECKPOINT_EVERY: u64 = 2_000;
 
 /// How large, and where.
@@ -41,7 +43,7 @@ pub struct QuickstartConfig {
     pub out: PathBuf,
     /// Episodes to collect.
     pub episodes: u32,
-    /// Updates of the policy.
+    /// Updates of the policy, and of the clone.
     pub steps: u64,
     /// Root of all randomness.
     pub seed: u64,
@@ -58,10 +60,16 @@ pub struct Quickstart {
     pub dataset: PartReport,
     /// The scripted policy without noise.
     pub scripted: PartReport,
+    /// The clone of the dataset, which nobody was asked for.
+    pub cloned: Evaluation,
     /// The trained policy.
     pub trained: Evaluation,
+    /// How sure the model is that the episodes that the policy imitates are better than the others.
+    pub confidence: Option<Confidence>,
     /// Whether the trained policy's mean return is larger than that of its dataset.
     pub beats_dataset: bool,
+    /// Whether it is larger than that of the clone.
+    pub beats_clone: bool,
     /// Whether what flew is what was trained.
     pub crosscheck: Crosscheck,
     /// What was written.
@@ -107,9 +115,13 @@ impl QuickstartConfig {
     /// # Errors
     /// When the number of updates is zero.
     pub fn training(&self) -> Result<Config, ConfigError> {
+        self.reduced(Preset::default())
+    }
+
+    fn reduced(&self, preset: Preset) -> Result<Config, ConfigError> {
         let mut config = Config {
             seed: self.seed,
-            ..Preset::OprlITed.config()
+            ..preset.config()
         };
         config.algorithm.set_steps(self.steps);
         config.schedule.checkpoint_every = CHECKPOINT_EVERY;
@@ -131,8 +143,9 @@ impl QuickstartConfig {
     }
 
     /// One folder for each choice, so that another size is another run.
-    fn run_folder(&self) -> PathBuf {
-        let name = format!("n{}-u{}-s{}", self.episodes, self.steps, self.seed);
+    fn run_folder(&self, preset: Preset) -> PathBuf {
+        let (episodes, steps, seed) = (self.episodes, self.steps, self.seed);
+        let name = format!("{}-n{episodes}-u{steps}-s{seed}", preset.name());
         self.out.join(&self.task).join(name)
     }
 }
@@ -163,16 +176,21 @@ pub fn quickstart(
 
     stage(
         3,
-        "ask ten questions, learn a reward, set discounts, learn a policy",
+        "look at the logs, ask ten questions, and learn a policy that the answers steer",
     );
     let reference = DatasetReference {
         id: dataset.id().to_owned(),
         digest: dataset.digest().to_owned(),
         path: collected.folder.clone(),
     };
-    let folder = RunFolder::begin(&config.run_folder(), &training, &reference)?;
+    let learned = |training: &Config, teacher: &mut dyn Teacher| {
+        let path = config.run_folder(training.preset);
+        let folder = RunFolder::begin(&path, training, &reference)?;
+        train(&dataset, training, &folder, teacher, audience.into())?;
+        Ok::<_, QuickstartError>(folder)
+    };
     let mut teacher = Narrator::new(ScriptedTeacher::truthful(), audience);
-    train(&dataset, &training, &folder, &mut teacher, audience.into())?;
+    let folder = learned(&training, &mut teacher)?;
     if teacher.asked() == 0 {
         let log = folder.file(PREFERENCES);
         audience.note(&format!(
@@ -181,19 +199,22 @@ pub fn quickstart(
         ));
     }
 
-    stage(4, "the artefact");
-    audience.note(&format!("{}", folder.artefact_path().display()));
+    stage(4, "clone the same logs without asking, for comparison");
+    let clone = learned(&config.reduced(Preset::Bc)?, &mut teacher)?;
 
-    stage(5, "fly it");
+    stage(5, "fly both");
     let plan = FlightPlan {
         episodes: FLOWN_EPISODES,
         seed: config.seed,
         workers: config.workers,
         engine: environment.engine(),
     };
-    let artefact = folder.artefact_path();
-    let flyer = Flyer::Artefact(&artefact, Numeric::F32);
-    let trained = evaluate_once(&folder, flyer, &plan, audience)?;
+    let flown = |folder: &RunFolder| {
+        let artefact = folder.artefact_path();
+        let flyer = Flyer::Artefact(&artefact, Numeric::F32);
+        evaluate_once(folder, flyer, &plan, audience)
+    };
+    let (trained, cloned) = (flown(&folder)?, flown(&clone)?);
 
     stage(6, "is what flew what was trained?");
     let check = CrosscheckConfig {
@@ -204,22 +225,27 @@ pub fn quickstart(
     let crosscheck = crosscheck(&folder, &dataset, &check, audience)?;
     folder.write_json("crosscheck.json", &crosscheck)?;
 
+    let reward: RewardReport = folder.read_json("reward.json")?;
     Ok(Quickstart {
         task: config.task.clone(),
         beats_dataset: trained.return_mean > dataset.mean_return_true(),
+        beats_clone: trained.return_mean > cloned.return_mean,
         dataset: collected.mix,
         scripted: scripted.mix,
+        cloned,
         trained,
+        confidence: reward.confidence,
         crosscheck,
-        written: written(&collected.folder, &scripted.folder, &folder),
+        written: written(&collected.folder, &scripted.folder, &clone, &folder),
     })
 }
 
-fn written(dataset: &Path, scripted: &Path, folder: &RunFolder) -> Vec<Written> {
+fn written(dataset: &Path, scripted: &Path, clone: &RunFolder, folder: &RunFolder) -> Vec<Written> {
     let entry = |what, path: PathBuf| Written { what, path };
     vec![
         entry("dataset", dataset.to_path_buf()),
         entry("scripted policy", scripted.to_path_buf()),
+        entry("clone", clone.path().to_path_buf()),
         entry("questions", folder.file(PREFERENCES)),
         entry("reward quality", folder.file("reward.json")),
         entry("configuration", folder.config_path()),
@@ -236,7 +262,7 @@ mod tests {
 
     fn config() -> QuickstartConfig {
         QuickstartConfig {
-            task: "drawer-open-v3".to_owned(),
+            task: "box-close-v3".to_owned(),
             out: PathBuf::from("out"),
             episodes: 3,
             steps: 7,
@@ -249,7 +275,7 @@ mod tests {
     fn the_quickstart_differs_from_the_method_in_size_only() {
         let mut training = config().training().unwrap();
         assert_eq!((training.seed, training.algorithm.steps()), (5, 7));
-        let method = Preset::OprlITed.config();
+        let method = Preset::default().config();
         training.seed = method.seed;
         training.algorithm.set_steps(method.algorithm.steps());
         training.schedule = method.schedule.clone();
@@ -259,7 +285,8 @@ mod tests {
     #[test]
     fn everything_is_written_below_one_folder() {
         let config = config();
-        assert!(config.run_folder().starts_with("out"));
+        let [own, clone] = [Preset::default(), Preset::Bc].map(|it| config.run_folder(it));
+        assert!(own.starts_with("out") && clone.starts_with("out") && own != clone);
         assert!(config.collection(Recipe::Paper, 3).root.starts_with("out"));
         assert!(config.training().is_ok());
         assert!(QuickstartConfig { steps: 0, ..config }.training().is_err());

@@ -1,4 +1,4 @@
-//! A teacher that says aloud what it is asked and what it answers.
+//! A teacher that says aloud what it is asked about whole episodes, why, and what it answers.
 
 use firmware_sim::progress::Audience;
 
@@ -43,18 +43,18 @@ impl<T: Teacher> Teacher for Narrator<T> {
         let line = sentence(dataset, &question.query, answer);
         self.audience
             .note(&format!("  question {number:>2}: {line}"));
+        if let Some(why) = &question.why {
+            self.audience
+                .note(&format!("               asked because {why}"));
+        }
         Ok(answer)
     }
 }
 
 fn sentence(dataset: &Dataset, query: &Query, answer: Option<Answer>) -> String {
-    let [first, second] = query.segments.map(|segment| {
-        format!(
-            "episode {} from step {}",
-            segment.episode(),
-            segment.start()
-        )
-    });
+    let [first, second] = query
+        .segments
+        .map(|segment| format!("episode {}", segment.episode()));
     let [first_return, second_return] = query.segments.map(|segment| segment.return_true(dataset));
     let verdict = match answer {
         Some(Answer::First) => "the first is better",
@@ -63,8 +63,7 @@ fn sentence(dataset: &Dataset, query: &Query, answer: Option<Answer>) -> String 
         None => "nobody can tell",
     };
     format!(
-        "{first} or {second}, {} steps each? {verdict} (true returns {first_return:.1} and {second_return:.1})",
-        query.segments[0].len()
+        "{first} or {second}? {verdict} (true returns {first_return:.1} and {second_return:.1})"
     )
 }
 
@@ -81,9 +80,9 @@ mod tests {
         episodes[0].rewards = vec![1.0, 1.0, 2.0, 0.25];
         episodes[1].rewards = vec![2.0, 0.0, 3.0, 0.0];
         let dataset = Dataset::from_records("ted/x-v0", SHAPE, &episodes).unwrap();
-        let segment = |episode, start| Segment::new(&dataset, episode, start, 2).unwrap();
+        let whole = |episode| Segment::new(&dataset, episode, 0, 4).unwrap();
         let query = Query {
-            segments: [segment(0, 1), segment(1, 2)],
+            segments: [whole(0), whole(1)],
         };
         let context = Context {
             round: 0,
@@ -97,11 +96,10 @@ mod tests {
         let mut narrator = Narrator::new(ScriptedTeacher::truthful(), Audience::Nobody);
         assert_eq!(narrator.name(), "teacher:true-return");
         let answer = narrator.answer(&dataset, 1, &question).unwrap();
-        assert_eq!((answer, narrator.asked()), (Some(Answer::Equal), 1));
+        assert_eq!((answer, narrator.asked()), (Some(Answer::Second), 1));
         assert_eq!(
-            sentence(&dataset, &query, Some(Answer::Second)),
-            "episode 0 from step 1 or episode 1 from step 2, 2 steps each? \
-             the second is better (true returns 3.0 and 3.0)"
+            sentence(&dataset, &query, answer),
+            "episode 0 or episode 1? the second is better (true returns 4.2 and 5.0)"
         );
     }
 }

@@ -213,6 +213,16 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
         ),
         (
             "true+conditioned",
+            "discount={rule=\"ted\", gamma=0.99, k=70.0, sigma=1.0}",
+            "conditioned looks at no discount",
+        ),
+        (
+            "steer",
+            "discount.sigma=0.7",
+            "conditioned looks at no discount, so nothing would come of a lower one",
+        ),
+        (
+            "true+conditioned",
             "algorithm.best=0",
             "algorithm.best is 0, but must be at least 1",
         ),

@@ -5,6 +5,7 @@ use std::path::Path;
 use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::command::{Desk, assert_same_outcome, checkpoints, finish, ted};
+use crate::presets::EPISODES;
 
 #[test]
 fn the_number_of_threads_does_not_show_in_any_byte() {
@@ -72,6 +73,29 @@ fn ted_with_sigma_one_is_plain_iql_to_the_bit() {
         let lowered = run("lowered", "oprl-i+ted", &[]);
         assert!(lowered != plain, "{backend}: sigma = 0.7 does something");
     }
+}
+
+#[test]
+fn the_border_of_steer_is_in_its_artefact_and_in_no_bit_of_what_is_learned() {
+    let desk = Desk::with_dataset();
+    let run = |out: &str, more: &[&str]| {
+        let small = ["algorithm.steps=20", "algorithm.best=2"];
+        let sets = [&small, &EPISODES[..], more].concat();
+        finish(&mut desk.train(out, "steer", &sets)).with(0);
+        let run = desk.run(out);
+        let bytes = ArtifactBytes::read(run.join("policy.ted")).unwrap();
+        let artifact = Artifact::parse(&bytes).unwrap();
+        let integers = artifact.integers().unwrap();
+        let borders = [artifact.ted().is_some(), integers.threshold.is_some()];
+        assert!(artifact.reward().is_some());
+        (learned(&run), borders)
+    };
+    let (with, borders) = run("with", &[]);
+    assert_eq!(borders, [true; 2]);
+    let constant = "discount={rule=\"constant\", gamma=0.99}";
+    let (without, borders) = run("without", &[constant]);
+    assert_eq!(borders, [false; 2]);
+    assert!(with == without);
 }
 
 /// What the last checkpoint holds behind the digest of the configuration: the step and every tensor.

@@ -41,7 +41,7 @@ pub(super) struct PoliciesArgs {
         long,
         value_enum,
         value_delimiter = ',',
-        default_value = "true,oprl-i,oprl-i+ted",
+        default_value = "true,oprl-i,oprl-i+ted,steer",
         hide_possible_values = true
     )]
     presets: Vec<PresetArg>,

@@ -18,7 +18,7 @@ use super::descriptors::{Descriptors, Steps, scaling};
 use super::fitting::{Rows, answers, fit};
 use super::posterior::{Evidence, Prior, posterior, second_better};
 use super::questions::MostInformative;
-use super::{EpisodeModel, EpisodesConfig};
+use super::{EpisodeModel, EpisodesConfig, words};
 
 /// What can be said of a dataset before anybody is asked.
 pub struct Look<'a> {
@@ -86,6 +86,8 @@ pub(super) fn learn(
 ) -> Result<Learned, LearnError> {
     let dataset = on.dataset;
     let look = Look::at(config, on)?;
+    on.audience
+        .note(&words::look(&look.descriptors.reliability));
     let prior = Prior::new(config, &look.descriptors.reliability);
     let (evidence, samples) = interrogate(config, &look, &prior, on, interview)?;
 
@@ -98,6 +100,9 @@ pub(super) fn learn(
         agreeing: agreeing(&evidence, &weights),
         ..Confidence::new(&samples, &look.clipped, &best, config.sure)
     };
+    if let Some(moved) = words::moved(&prior, &weights).filter(|_| confidence.answers > 0) {
+        on.audience.note(&moved);
+    }
     on.audience.note(&confidence.in_words());
     let network = network(config, &look, &weights, on)?;
     let held_out = held_out(config, &quality, dataset, on.seed)?;

@@ -32,6 +32,7 @@ mod posterior;
 mod questions;
 #[cfg(test)]
 mod tests;
+mod words;
 
 pub use confidence::Confidence;
 pub use config::{EpisodesConfig, Fitting};
