@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
+use ted_train::tolerance::{SCORED_F32, SCORED_INTEGER};
 
 use crate::binaries::{command, said};
 
@@ -218,11 +219,12 @@ fn the_default_preset_flies_on_a_cortex_m_in_integers_and_scores_its_episodes_as
     let report: Value = serde_json::from_str(&said(&mut crosscheck, &[0])).unwrap();
     assert_eq!(report["left_out"], Value::Array(Vec::new()));
     let checks = report["checks"].as_array().unwrap();
-    let scored = checks.iter().filter(|check| {
-        let what = check["what"].as_str().unwrap();
-        what.contains("scored") && check["compared"] == 20 && check["unequal"] == 0
-    });
-    assert_eq!(scored.count(), 2, "in floats and in integers: {report}");
+    for scored in [SCORED_F32, SCORED_INTEGER] {
+        let check = checks.iter().find(|check| check["what"] == scored.what);
+        let check = check.unwrap_or_else(|| panic!("no {}: {report}", scored.what));
+        let counts = [&check["compared"], &check["unequal"]];
+        assert_eq!(counts, [20, 0], "{}", scored.what);
+    }
 }
 
 #[test]
