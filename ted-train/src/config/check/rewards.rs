@@ -71,8 +71,6 @@ fn transport(config: &TransportConfig) -> Result<(), ConfigError> {
 }
 
 fn episodes(config: &EpisodesConfig) -> Result<(), ConfigError> {
-    REWARD.at_least_one("features", config.features as f64)?;
-    REWARD.positive("frequency", config.frequency)?;
     REWARD.at_least_one("directions", config.directions as f64)?;
     REWARD.at_least_one("block", config.block as f64)?;
     let mean = config.competence;

@@ -10,11 +10,7 @@ use crate::nn::Adam;
 pub struct EpisodesConfig {
     /// Questions that somebody is asked; none at all is allowed, and leaves what is believed beforehand.
     pub queries: usize,
-    /// Random features of an observation, whose mean over an episode says where it spends its time.
-    pub features: usize,
-    /// How fine these features are: the inverse of the share of the usual distance of two observations that makes a difference.
-    pub frequency: f64,
-    /// Principal directions of these means.
+    /// Principal directions of the places where an episode spends its time.
     pub directions: usize,
     /// Steps in a block: the two halves that a descriptor is compared between are made of every other block.
     pub block: usize,
@@ -68,8 +64,6 @@ impl Default for EpisodesConfig {
     fn default() -> Self {
         Self {
             queries: 10,
-            features: 256,
-            frequency: 1.5,
             directions: 6,
             block: 10,
             competence: 2.0,

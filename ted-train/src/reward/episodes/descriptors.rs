@@ -2,9 +2,7 @@
 //!
 //! *Competence* is how far an episode's actions go the way that the average of all episodes goes in the same places, where that
 //! goes anywhere: noise without a preferred direction cancels in the average, and a shared purpose does not. *Whereabouts* are the principal
-//! directions of an episode's mean features of observations, as far as its first observation does not say them already. They are
-//! those in which good episodes differ: the most competent tenth counts for as much as all episodes together, as far as competence
-//! is reliable.
+//! directions of an episode's mean observation, as far as its first observation does not say them already.
 //!
 //! Each is computed on two halves of an episode, made of every other block of steps. What two halves of the same episode do not
 //! agree on is noise: their correlation over episodes, corrected for the length (Spearman and Brown), is the descriptor's
@@ -12,30 +10,23 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::dataset::{Dataset, Episode};
+use crate::dataset::Dataset;
 use crate::ranking::ranking;
-use crate::rng::Seed;
-
-use super::EpisodesConfig;
-use super::features::Features;
 
 /// Numbers of each episode, standardised over episodes, and what they are made of.
 #[derive(Clone, Debug)]
 pub struct Descriptors {
     /// `[episode, descriptor]`: competence, then one whereabouts after the other, each with mean 0 and standard deviation 1 over
-    /// episodes, of whereabouts with the weight that each episode has, and 0 where it is the same for all.
+    /// episodes, and 0 where it is the same for all.
     pub values: DMatrix<f64>,
     /// How far the two halves of an episode agree on each, from 0 to 1.
     pub reliability: Vec<f64>,
     /// Mean competence and its deviation.
     competence: [f64; 2],
-    features: Features,
-    /// `[feature, direction]`: the directions of whereabouts, divided by the deviation of each.
+    /// `[channel, direction]`: the directions of whereabouts in standardised channels, divided by the deviation of each.
     directions: DMatrix<f64>,
     /// `[episode, direction]`: what the first observation says of whereabouts, and the mean: subtracted.
     offsets: DMatrix<f64>,
-    /// `[channel, direction]`: correlation of whereabouts with the mean of each channel beyond what the beginning says.
-    channels: DMatrix<f64>,
 }
 
 /// Competence of single steps, and the channels of observations in units of their own deviation.
@@ -81,12 +72,9 @@ impl<'a> Steps<'a> {
         f64::from((observation[channel] - self.shift[channel]) * self.scale[channel])
     }
 
-    /// The same of all channels in all steps of an episode, `[channel, step]`.
-    fn channels(&self, episode: &Episode) -> DMatrix<f32> {
-        DMatrix::from_fn(self.dataset.observation_dim(), episode.len, |c, step| {
-            let observation = self.dataset.observation(episode.first_step + step);
-            self.channel(observation, c) as f32
-        })
+    /// The same of all channels.
+    pub fn channels(&self, observation: &[f32]) -> DVector<f64> {
+        DVector::from_fn(observation.len(), |c, _| self.channel(observation, c))
     }
 }
 
@@ -104,69 +92,56 @@ pub(super) fn scaling(dataset: &Dataset) -> [Vec<f32>; 2] {
 
 impl Descriptors {
     /// Describes every episode.
-    pub(super) fn of(steps: &Steps<'_>, config: &EpisodesConfig, seed: Seed) -> Self {
-        let moving = steps.scale.iter().filter(|&&scale| scale > 0.0).count();
-        let features = Features::new(
-            config.features,
-            config.frequency,
-            steps.scale.len(),
-            moving,
-            seed,
-        );
-        let means = Means::of(steps, &features, config.block);
-        let [whole, even, odd] = &means;
-
-        let competences = whole.competence.column(0);
-        let competence = [competences.mean(), deviation(&competences)];
-        let competent = |means: &Means| {
-            let [mean, std] = competence;
-            let scale = if std > TINY { 1.0 / std } else { 0.0 };
-            means.competence.map(|c| (c - mean) * scale)
-        };
-        let trusted = reliability(&competent(even).column(0), &competent(odd).column(0));
-        let weights = weights(&competences, trusted);
+    pub(super) fn of(steps: &Steps<'_>, directions: usize, block: usize) -> Self {
+        let dataset = steps.dataset;
+        let whole = Means::of(steps, |_| true);
+        let halves = [0, 1].map(|half| Means::of(steps, |step| step / block % 2 == half));
 
         // Whereabouts beyond what the beginning says.
         let first = beginnings(steps);
-        let expected = &first * regress(&first, &whole.features);
-        let residual = centred(&whole.features - &expected, &weights);
-        let basis = principal(&residual, &weights, config.directions);
+        let rest = |means: &DMatrix<f64>| means - &first * regress(&first, &whole.channels);
+        let residual = rest(&whole.channels);
+        let basis = principal(&residual, directions);
         let projected = &residual * &basis;
-        let squares = projected.map(|x| x * x).transpose() * &weights;
-        let deviations = squares.map(f64::sqrt);
-        // What is left of a feature that the beginning decides is rounding, and a direction of it says nothing.
+        let deviations: Vec<f64> = projected.column_iter().map(|c| deviation(&c)).collect();
+        // What is left of a channel that the beginning decides is rounding, and a direction of it says nothing.
         let least = TINY.max(ROUNDING * deviations.iter().copied().fold(0.0, f64::max));
-        let mut directions = basis;
-        for (mut direction, &deviation) in directions.column_iter_mut().zip(deviations.iter()) {
-            direction *= if deviation > least {
-                1.0 / deviation
+        let inverse = |j: usize| {
+            if deviations[j] > least {
+                1.0 / deviations[j]
             } else {
                 0.0
-            };
-        }
-        let mut offsets = expected * &directions;
-        let means_of_rest = (&whole.features * &directions - &offsets).transpose() * &weights;
-        for mut row in offsets.row_iter_mut() {
-            row += means_of_rest.transpose();
-        }
+            }
+        };
+        let directions = DMatrix::from_fn(basis.nrows(), basis.ncols(), |i, j| {
+            basis[(i, j)] * inverse(j)
+        });
+        let offsets = (&first * regress(&first, &whole.channels)) * &directions;
 
+        let (mean, std) = (
+            whole.competence.mean(),
+            deviation(&whole.competence.column(0)),
+        );
+        let competence = [mean, std];
         let describe = |means: &Means| {
-            let whereabouts = &means.features * &directions - &offsets;
+            let whereabouts = &means.channels * &directions - &offsets;
             let mut all = whereabouts.insert_column(0, 0.0);
-            all.set_column(0, &competent(means).column(0));
+            let scale = if std > TINY { 1.0 / std } else { 0.0 };
+            all.set_column(0, &means.competence.map(|c| (c - mean) * scale).column(0));
             all
         };
-        let [values, even, odd] = means.each_ref().map(describe);
-        let halves = even.column_iter().zip(odd.column_iter());
-        let channels = &whole.channels - &first * regress(&first, &whole.channels);
+        let values = describe(&whole);
+        let [even, odd] = halves.each_ref().map(describe);
+        let reliability = even.column_iter().zip(odd.column_iter());
+        let reliability = reliability.map(|(even, odd)| {
+            let r = correlation(&even, &odd).max(0.0);
+            2.0 * r / (1.0 + r)
+        });
+        debug_assert_eq!(values.nrows(), dataset.episodes().len());
         Self {
-            reliability: halves.map(|(even, odd)| reliability(&even, &odd)).collect(),
-            channels: DMatrix::from_fn(channels.ncols(), directions.ncols(), |c, j| {
-                correlation(&channels.column(c), &values.column(1 + j))
-            }),
+            reliability: reliability.collect(),
             values,
             competence,
-            features,
             directions,
             offsets,
         }
@@ -181,14 +156,14 @@ impl Descriptors {
         }
     }
 
-    /// The channels that go with a direction of whereabouts, each with its correlation, the largest first.
+    /// The channels that a direction of whereabouts is made of, with their weights, the largest first.
     #[must_use]
     pub fn channels(&self, direction: usize) -> Vec<(usize, f64)> {
-        let column = self.channels.column(direction);
-        let mut correlations: Vec<_> = column.iter().copied().enumerate().collect();
-        correlations.retain(|(_, correlation)| *correlation != 0.0);
-        correlations.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-        correlations
+        let column = self.directions.column(direction);
+        let mut weights: Vec<_> = column.iter().copied().enumerate().collect();
+        weights.retain(|(_, weight)| *weight != 0.0);
+        weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        weights
     }
 
     /// The episodes that have most of a descriptor, the first the most.
@@ -213,12 +188,11 @@ impl Descriptors {
         for (episode, &offset) in steps.dataset.episodes().iter().zip(offsets.iter()) {
             let range = episode.first_step..episode.first_step + episode.len;
             let length = steps.mean_length(range.clone());
-            let features = self.features.of(&steps.channels(episode));
-            for (step, features) in range.zip(features.column_iter()) {
+            for step in range {
+                let place = steps.channels(steps.dataset.observation(step));
                 let along = steps.along[step][0] / length;
-                let parts = direction.iter().zip(features.iter());
-                let place: f64 = parts.map(|(d, &x)| d * f64::from(x)).sum();
-                shares.push((competence * (along - mean) + place - offset) as f32);
+                let share = competence * (along - mean) + direction.dot(&place) - offset;
+                shares.push(share as f32);
             }
         }
         shares
@@ -240,80 +214,36 @@ struct Means {
     competence: DMatrix<f64>,
     /// `[episode, channel]`.
     channels: DMatrix<f64>,
-    /// `[episode, feature]`.
-    features: DMatrix<f64>,
 }
 
 impl Means {
-    /// Over all steps, and over those of every other block, first the even and then the odd ones; over all steps again of an
-    /// episode that has none of them.
-    fn of(steps: &Steps<'_>, features: &Features, block: usize) -> [Self; 3] {
-        let episodes = steps.dataset.episodes();
-        let (width, count) = (steps.dataset.observation_dim(), features.count());
-        let mut means = [(); 3].map(|()| Self {
-            competence: DMatrix::zeros(episodes.len(), 1),
-            channels: DMatrix::zeros(episodes.len(), width),
-            features: DMatrix::zeros(episodes.len(), count),
-        });
+    /// Over the steps that `counts` says yes to; over all steps of an episode that has none of them.
+    fn of(steps: &Steps<'_>, counts: impl Fn(usize) -> bool) -> Self {
+        let dataset = steps.dataset;
+        let (episodes, width) = (dataset.episodes(), dataset.observation_dim());
+        let mut competence = DMatrix::zeros(episodes.len(), 1);
+        let mut channels = DMatrix::zeros(episodes.len(), width);
         for (row, episode) in episodes.iter().enumerate() {
-            let channels = steps.channels(episode);
-            let of_steps = features.of(&channels);
-            let in_part = |part: usize, step: usize| part == 0 || step / block % 2 == part - 1;
-            for (part, means) in means.iter_mut().enumerate() {
-                let any = (0..episode.len).any(|step| in_part(part, step));
-                let (mut total, mut along, mut length) = (0.0, 0.0, 0.0);
-                for step in (0..episode.len).filter(|&step| !any || in_part(part, step)) {
-                    let [dot, norm] = steps.along[episode.first_step + step];
-                    along += dot;
-                    length += norm;
-                    for (sum, &x) in means
-                        .channels
-                        .row_mut(row)
-                        .iter_mut()
-                        .zip(&channels.column(step))
-                    {
-                        *sum += f64::from(x);
-                    }
-                    for (sum, &x) in means
-                        .features
-                        .row_mut(row)
-                        .iter_mut()
-                        .zip(&of_steps.column(step))
-                    {
-                        *sum += f64::from(x);
-                    }
-                    total += 1.0;
+            let any = (0..episode.len).any(&counts);
+            let (mut total, mut along, mut length) = (0.0, 0.0, 0.0);
+            for step in (0..episode.len).filter(|&step| !any || counts(step)) {
+                let step = episode.first_step + step;
+                along += steps.along[step][0];
+                length += steps.along[step][1];
+                let observation = dataset.observation(step);
+                for channel in 0..width {
+                    channels[(row, channel)] += steps.channel(observation, channel);
                 }
-                means.competence[(row, 0)] = along / length.max(STILL * total);
-                means.channels.row_mut(row).unscale_mut(total);
-                means.features.row_mut(row).unscale_mut(total);
+                total += 1.0;
             }
+            competence[(row, 0)] = along / length.max(STILL * total);
+            channels.row_mut(row).unscale_mut(total);
         }
-        means
+        Self {
+            competence,
+            channels,
+        }
     }
-}
-
-/// How much each episode counts for whereabouts, all together 1: the most competent `LIKELY` of them for `trusted / 2`, and all of them for the rest.
-pub(super) fn weights(competence: &Column<'_>, trusted: f64) -> DVector<f64> {
-    /// Share of the episodes that are likely to hold the best.
-    const LIKELY: f64 = 0.1;
-    let values: Vec<f64> = competence.iter().copied().collect();
-    let count = values.len() as f64;
-    let likely = (LIKELY * count).ceil();
-    let mut weights = DVector::from_element(values.len(), (1.0 - trusted / 2.0) / count);
-    for episode in ranking(&values).into_iter().take(likely as usize) {
-        weights[episode] += trusted / 2.0 / likely;
-    }
-    weights
-}
-
-/// Rows without their mean, in which each counts by its weight.
-fn centred(mut rows: DMatrix<f64>, weights: &DVector<f64>) -> DMatrix<f64> {
-    let mean = (rows.transpose() * weights).transpose();
-    for mut row in rows.row_iter_mut() {
-        row -= &mean;
-    }
-    rows
 }
 
 /// `[episode, 1 + channel]`: a one and the first observation of every episode.
@@ -342,13 +272,9 @@ fn regress(x: &DMatrix<f64>, y: &DMatrix<f64>) -> DMatrix<f64> {
     )
 }
 
-/// The directions in which rows vary most, each counting by its weight, `[column, count]`, each with its largest entry positive.
-fn principal(rows: &DMatrix<f64>, weights: &DVector<f64>, count: usize) -> DMatrix<f64> {
-    let mut weighted = rows.clone();
-    for (mut row, &weight) in weighted.row_iter_mut().zip(weights.iter()) {
-        row *= weight;
-    }
-    let eigen = (rows.transpose() * weighted).symmetric_eigen();
+/// The directions in which rows vary most, `[column, count]`, each with its largest entry positive.
+fn principal(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+    let eigen = (rows.transpose() * rows).symmetric_eigen();
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
     order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
     order.truncate(count);
@@ -375,12 +301,6 @@ fn deviation(column: &Column<'_>) -> f64 {
     let mean = column.mean();
     let squares: f64 = column.iter().map(|x| (x - mean) * (x - mean)).sum();
     (squares / column.len().max(1) as f64).sqrt()
-}
-
-/// What two halves that agree so far say of the whole, from 0 to 1 (Spearman and Brown).
-fn reliability(even: &Column<'_>, odd: &Column<'_>) -> f64 {
-    let r = correlation(even, odd).max(0.0);
-    2.0 * r / (1.0 + r)
 }
 
 /// Pearson's; 0 where one of them does not move.

@@ -57,7 +57,7 @@ impl<'a> Look<'a> {
         let cloned = answers(&clone, &rows, 0..rows.count, on.backend);
         progress.finish();
         let steps = Steps::new(dataset, &cloned);
-        let descriptors = Descriptors::of(&steps, config, on.seed.child("features"));
+        let descriptors = Descriptors::of(&steps, config.directions, config.block);
         let clipped = descriptors
             .values
             .map(|x| x.clamp(-config.clip, config.clip));

@@ -3,7 +3,7 @@
 //! ```text
 //! f              = clone of all logs,  min E |f(s) - a|^2
 //! x_e1           = competence    sum over t of a_t . f(s_t)  /  sum over t of |f(s_t)|
-//! x_e2 .. x_eK   = whereabouts   principal directions of (mean over t of cos(W s_t + b)), less what s_0 says of it
+//! x_e2 .. x_eK   = whereabouts   principal directions of (mean over t of s_t), less what s_0 says of it
 //! u_e            = w . x_e,      w ~ N((2 rho_1, 0, ..), diag(rho_1, rho_2 / 2, ..)^2),   rho: reliability of each descriptor
 //! P(second better) = lapse / 2 + (1 - lapse) sigmoid(slope (u_second - u_first))
 //! question       = argmax over pairs with a possibly best episode of  H(E_w P) - E_w H(P)
@@ -12,7 +12,7 @@
 //!
 //! | choice | ours | where it comes from |
 //! |---|---|---|
-//! | descriptors | competence beside the clone of all, and the mean features of states less the first one's part | ours; expertise beside a shared policy: Beliaev et al. 2022 (ILEED), which learns both together; random features: Rahimi and Recht 2007 |
+//! | descriptors | competence beside the clone of all, and the mean state less the first one's part | ours; expertise beside a shared policy: Beliaev et al. 2022 (ILEED), which learns both together |
 //! | reliability | correlation of two halves of an episode, lengthened by Spearman and Brown | psychometrics |
 //! | what is compared | whole episodes | 50 steps in OPRL |
 //! | model | linear in the descriptors, normal prior, answers with a slope and a lapse | Bradley-Terry; Biyik and Sadigh 2018 have the same without lapse |
@@ -24,7 +24,6 @@
 mod confidence;
 mod config;
 mod descriptors;
-mod features;
 mod fitting;
 mod learn;
 mod learner;
