@@ -108,7 +108,7 @@ fn without_a_better_episode_it_is_plain_cloning_wherever_it_aims() {
                 .collect::<Vec<_>>()
         })
         .collect();
-    // f1 has learned nothing, so only where nothing is added of it is there the average.
+    // Gain and h have learned nothing, so only where nothing is added of it is there the average.
     let cloned = flown(&[2.5; EPISODES], 0.0, 1.0).0;
     assert_close(&cloned, &expected, CLOSE, "cloned");
     assert_eq!(bits(&acted), bits(&cloned));
