@@ -12,15 +12,13 @@ const OUTSIDE: f64 = 0.05;
 /// What an interquartile mean leaves out on each side.
 const TRIMMED: f64 = 0.25;
 
-/// A number and its 95 % interval.
+/// A number, and how far chance may have moved it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Of the runs themselves.
     pub value: f64,
-    /// The lower end.
-    pub low: f64,
-    /// The upper end.
-    pub high: f64,
+    /// Both ends of the 95 % interval; none where a task has a single run, which says nothing about chance.
+    pub interval: Option<[f64; 2]>,
 }
 
 impl Estimate {
@@ -36,17 +34,22 @@ impl Estimate {
         if tasks.is_empty() {
             return None;
         }
-        let mut rng = Seed::root(0).child("study/answers/bootstrap").rng();
-        let mut values: Vec<f64> = (0..RESAMPLES)
-            .map(|_| statistic(&resampled(&tasks, &mut rng)))
-            .collect();
-        values.sort_by(f64::total_cmp);
+        let several = tasks.iter().all(|runs| runs.len() > 1);
         Some(Self {
             value: statistic(&tasks),
-            low: quantile(&values, OUTSIDE / 2.0),
-            high: quantile(&values, 1.0 - OUTSIDE / 2.0),
+            interval: several.then(|| interval(&tasks, statistic)),
         })
     }
+}
+
+/// What all but [`OUTSIDE`] of the resamples lie in.
+fn interval(tasks: &[Vec<f64>], statistic: fn(&[Vec<f64>]) -> f64) -> [f64; 2] {
+    let mut rng = Seed::root(0).child("study/answers/bootstrap").rng();
+    let mut values: Vec<f64> = (0..RESAMPLES)
+        .map(|_| statistic(&resampled(tasks, &mut rng)))
+        .collect();
+    values.sort_by(f64::total_cmp);
+    [OUTSIDE / 2.0, 1.0 - OUTSIDE / 2.0].map(|share| quantile(&values, share))
 }
 
 /// The mean over the tasks of each one's mean: a task with fewer runs counts as much as another.
@@ -124,8 +127,7 @@ mod tests {
         let coin = Estimate::of(&[task(10, 5)], mean).unwrap();
         let expected = Estimate {
             value: 0.5,
-            low: 0.2,
-            high: 0.8,
+            interval: Some([0.2, 0.8]),
         };
         assert_eq!(coin, expected);
     }
@@ -134,9 +136,14 @@ mod tests {
     fn seeds_are_drawn_within_their_task_and_tasks_are_not_drawn() {
         // Over all twenty runs the interval would be that of a coin.
         let certain = Estimate::of(&[task(10, 0), task(10, 10)], mean).unwrap();
-        assert_eq!((certain.low, certain.value, certain.high), (0.5, 0.5, 0.5));
-        let one_seed = Estimate::of(&[vec![0.3], vec![0.5]], interquartile_mean).unwrap();
-        assert_eq!((one_seed.low, one_seed.high), (0.4, 0.4));
+        assert_eq!((certain.value, certain.interval), (0.5, Some([0.5, 0.5])));
+    }
+
+    #[test]
+    fn a_task_with_one_seed_leaves_no_interval() {
+        let one_seed = Estimate::of(&[vec![0.3], vec![0.5, 0.7]], mean).unwrap();
+        assert_eq!(one_seed.interval, None);
+        assert!((one_seed.value - 0.45).abs() < 1e-12);
     }
 
     #[test]
@@ -144,7 +151,8 @@ mod tests {
         let tasks = [vec![0.1, 0.9, 0.4], vec![0.2, 0.7, 0.3]];
         let one = Estimate::of(&tasks, interquartile_mean).unwrap();
         assert_eq!(Some(one), Estimate::of(&tasks, interquartile_mean));
-        assert!(one.low < one.value && one.value < one.high, "{one:?}");
+        let [low, high] = one.interval.unwrap();
+        assert!(low < one.value && one.value < high, "{one:?}");
         assert_eq!(Estimate::of(&[vec![], vec![]], mean), None);
     }
 }

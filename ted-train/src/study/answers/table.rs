@@ -136,7 +136,10 @@ fn aggregates(runs: &[Shown<'_>]) -> String {
 }
 
 fn estimate(it: Option<Estimate>) -> String {
-    let text = |it: Estimate| format!("{:.2} [{:.2}, {:.2}]", it.value, it.low, it.high);
+    let text = |it: Estimate| match it.interval {
+        Some([low, high]) => format!("{:.2} [{low:.2}, {high:.2}]", it.value),
+        None => format!("{:.2}", it.value),
+    };
     it.map_or_else(|| "-".to_owned(), text)
 }
 
