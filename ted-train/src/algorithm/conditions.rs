@@ -25,12 +25,12 @@ impl Default for Conditions {
 }
 
 impl Conditions {
-    /// `(R - mean R) / (mean of the best R - mean R)` of the episode of each step, where `returns_hat` has R of every episode;
-    /// both means are over the episodes that are kept, the second over the `best` of them with the highest R, or all of them if
-    /// they are fewer. Where the two means are equal, every condition is 0.
+    /// `(R - mean R) / (mean of the best R - mean R)` of the episode of each step, where `quality` has R of every episode: the
+    /// quality that a model gives it, or its predicted return. Both means are over the episodes that are kept, the second over the
+    /// `best` of them with the highest R, or all of them if they are fewer. Where the two means are equal, every condition is 0.
     #[must_use]
-    pub fn new(dataset: &Dataset, kept: &Kept, returns_hat: &[f32], best: usize) -> Self {
-        let all = dataset.episodes().iter().zip(returns_hat);
+    pub fn new(dataset: &Dataset, kept: &Kept, quality: &[f32], best: usize) -> Self {
+        let all = dataset.episodes().iter().zip(quality);
         let returns: Vec<f64> = all
             .filter(|(episode, _)| kept.holds(episode.first_step))
             .map(|(_, &of_episode)| of_episode.into())
@@ -46,7 +46,7 @@ impl Conditions {
             true => ((f64::from(of_episode) - average) / spread) as f32,
             false => 0.0,
         };
-        let episodes = dataset.episodes().iter().zip(returns_hat);
+        let episodes = dataset.episodes().iter().zip(quality);
         let of_steps = episodes
             .flat_map(|(episode, &hat)| std::iter::repeat_n(condition(hat), episode.len))
             .collect();

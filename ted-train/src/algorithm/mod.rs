@@ -137,18 +137,16 @@ impl AlgorithmConfig {
         }
     }
 
-    /// How good each episode is, where the policy is told; `returns_hat` are the predicted returns of all episodes.
+    /// How good each episode is, where the policy is told; `quality` has of every episode how good it is predicted to be.
     #[must_use]
     pub fn conditions(
         &self,
         dataset: &Dataset,
         kept: &Kept,
-        returns_hat: &[f32],
+        quality: &[f32],
     ) -> Option<Conditions> {
         match self {
-            Self::Conditioned(config) => {
-                Some(Conditions::new(dataset, kept, returns_hat, config.best))
-            }
+            Self::Conditioned(config) => Some(Conditions::new(dataset, kept, quality, config.best)),
             _ => None,
         }
     }

@@ -48,6 +48,15 @@ impl RewardModel {
         }
     }
 
+    /// How good it holds each episode of the dataset to be; none of a model that knows transitions only.
+    #[must_use]
+    pub fn quality(&self) -> Option<&[f32]> {
+        match self {
+            Self::Episodes(model) => Some(&model.quality),
+            Self::Ensemble(_) | Self::Labels(_) => None,
+        }
+    }
+
     /// How far a policy may go by it, from 0 for not at all to 1: all the way unless it says itself that it is not sure enough.
     #[must_use]
     pub fn trust(&self) -> f32 {

@@ -61,10 +61,16 @@ impl<'a> Prepared<'a> {
         // Phase 3: which transitions the policy is learned from, and a discount for each.
         let kept = config.filter.kept(dataset, &rewards.labels.returns_hat)?;
         let discounted = config.discount.apply(dataset, &rewards.labels)?;
-        let returns_hat = &rewards.labels.returns_hat;
-        let trust = rewards.model.as_ref().map_or(1.0, RewardModel::trust);
+        // A network's sums blur what a model of whole episodes says of them.
+        let model = rewards.model.as_ref();
+        let quality = model.and_then(RewardModel::quality);
+        let trust = model.map_or(1.0, RewardModel::trust);
         let conditions = (config.algorithm)
-            .conditions(dataset, &kept, returns_hat)
+            .conditions(
+                dataset,
+                &kept,
+                quality.unwrap_or(&rewards.labels.returns_hat),
+            )
             .map(|conditions| conditions.advanced(trust));
         if conditions.as_ref().is_some_and(Conditions::are_equal) {
             audience.note(

@@ -233,6 +233,11 @@ fn choices_that_do_not_go_together_are_refused_with_the_reason() {
         ),
         (
             "true+conditioned",
+            "algorithm.haste=-1.0",
+            "algorithm.haste is -1, but must be in [0, inf)",
+        ),
+        (
+            "true+conditioned",
             "algorithm.final_rate=0.1",
             "must be in [0, algorithm.learning_rate]",
         ),

@@ -26,6 +26,8 @@ pub struct ConditionedConfig {
     pub best: usize,
     /// The condition that the policy is flown at.
     pub aim: f64,
+    /// Share of the gain that is flown: good episodes may go further than is good for a policy without their noise.
+    pub haste: f64,
     /// The optimiser's constants.
     pub adam: Adam,
 }
@@ -42,6 +44,7 @@ impl Default for ConditionedConfig {
             average_rate: 1e-3,
             best: 10,
             aim: 1.0,
+            haste: 0.6,
             adam: Adam::default(),
         }
     }

@@ -4,15 +4,15 @@
 //! f_c = (1 + c gain) f0(s) + c h(s)
 //! L   = mean over batch and action coordinates of (f_c(s) - a)^2  at  c = c_e
 //! c_e = (R_e - mean R) / (mean R of the `best` episodes - mean R)
-//! pi  = f_c(s)  at  c = aim * advance
+//! pi  = (1 + c haste gain) f0(s) + c h(s)  at  c = aim * advance
 //! ```
 //!
-//! `e` is the episode of a transition and `R_e` its predicted return; the means are over the episodes that the filter keeps. So 0
+//! `e` is the episode of a transition and `R_e` its quality, or its predicted return if a reward knows transitions only; the means are over the episodes that the filter keeps. So 0
 //! is the average of the logs, which `f0` imitates, and 1 the best of them. The condition enters linearly: all episodes teach the
 //! one way from the average to the better ones, and a single wrong return among hundreds turns it little. Good episodes often do
 //! what the average does, and do more of it, so that is one number: `gain`, learned at ten times the network's rate. What else they do is
 //! `h`, which begins at 0 and decays, so it is there only where the logs insist on it. What flies is a plain network, whose last layer is
-//! `(1 + c gain) W0 + c W1`. `advance` in [0, 1] is what the reward is trusted with: 1 unless somebody says another. Where the
+//! `(1 + c haste gain) W0 + c W1`: the best of noisy episodes are hasty, and a policy that has no noise arrives with less. `advance` in [0, 1] is what the reward is trusted with: 1 unless somebody says another. Where the
 //! returns are equal, every condition is 0 and nothing is learned about `gain` and `h`, so the policy flies at 0: plain cloning. It reads
 //! no discounts.
 //!
@@ -21,10 +21,10 @@
 //!
 //! | choice | ours | original (scottemmons/rvs at 6edcd42, reward-conditioned) | Kumar et al. 2019 |
 //! |---|---|---|---|
-//! | condition | predicted return of the whole episode | mean of the true rewards still to come | return or advantage |
+//! | condition | predicted quality or return of the whole episode | mean of the true rewards still to come | return or advantage |
 //! | scale | 0 is the mean of the logs, 1 that of their best | the environment's | not compared |
 //! | how it enters | linearly, `(1 + c gain) f0 + c h` on one trunk | one more input | not compared |
-//! | flown at | `aim`, times what the reward is trusted with | a return that is chosen for each environment | high returns, drawn |
+//! | flown at | `aim`, times what the reward is trusted with, and a share `haste` of the gain | a return that is chosen for each environment | high returns, drawn |
 //! | loss | mean square over batch and coordinates | `-log N(a \| f(s, c), sigma^2)`, sigma learned | log-likelihood |
 //! | policy's mean | linear; the controller limits it to [-1, 1] | linear, limited by the environment | not compared |
 //! | hidden widths | 256, 256 | 1024, 1024, with dropout of 0.1 | not compared |

@@ -29,8 +29,8 @@ impl Conditioned {
         Ok(())
     }
 
-    /// The policy of each lane in the controller's layout: `(1 + c gain) f0 + c h` at the condition it is flown at, which is one
-    /// linear layer on the trunk, `(1 + c gain) W0 + c W1` and the same of the biases.
+    /// The policy of each lane in the controller's layout: `(1 + c haste gain) f0 + c h` at the condition it is flown at, which is
+    /// one linear layer on the trunk, `(1 + c haste gain) W0 + c W1` and the same of the biases.
     #[must_use]
     pub fn actors(&self) -> Vec<ExportedMlp> {
         let mut actors = ExportedMlp::members(&self.average);
@@ -38,7 +38,8 @@ impl Conditioned {
         let (advances, gains) = (of_lanes(&self.advance), of_lanes(&self.average_gain));
         for ((actor, advance), gain) in actors.iter_mut().zip(advances).zip(gains) {
             let condition = self.config.aim * f64::from(advance);
-            let shares = [1.0 + condition * f64::from(gain), condition];
+            let longer = condition * self.config.haste * f64::from(gain);
+            let shares = [1.0 + longer, condition];
             if let Some(last) = actor.layers.last_mut() {
                 last.weight = folded(&last.weight, shares);
                 last.bias = folded(&last.bias, shares);

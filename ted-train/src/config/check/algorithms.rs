@@ -90,6 +90,7 @@ fn conditioned(config: &ConditionedConfig) -> Result<(), ConfigError> {
     average_rate("average_rate", config.average_rate)?;
     ALGORITHM.at_least_one("best", config.best as f64)?;
     ALGORITHM.not_negative("aim", config.aim)?;
+    ALGORITHM.not_negative("haste", config.haste)?;
     ALGORITHM.adam("adam", config.adam)?;
     ALGORITHM.widths("hidden", &config.hidden)
 }

@@ -46,6 +46,7 @@ fn flown(returns_hat: &[f32], aim: f64, advance: f32) -> (Vec<f32>, Vec<Vec<f32>
         learning_rate: 5e-3,
         best: 5,
         aim,
+        haste: 1.0,
         ..ConditionedConfig::default()
     });
     let kept = Kept::all(&dataset);

@@ -221,8 +221,19 @@ fn a_lane_begun_in_company_and_restored_alone_goes_on_to_the_bit_and_flies_where
 fn what_flies_is_the_average_of_both_halves_at_the_aim() {
     let s = numbers(50 * OBSERVATION, "unseen");
     for backend in BACKENDS {
-        for (aim, advance) in [(1.0, 1.0), (0.75, 1.0), (2.0, 0.25), (1.0, 0.0)] {
-            let config = ConditionedConfig { aim, ..config() };
+        let flights = [
+            (1.0, 0.6, 1.0),
+            (0.75, 1.0, 1.0),
+            (2.0, 0.5, 0.25),
+            (1.0, 0.0, 1.0),
+            (1.0, 0.6, 0.0),
+        ];
+        for (aim, haste, advance) in flights {
+            let config = ConditionedConfig {
+                aim,
+                haste,
+                ..config()
+            };
             let mut learner = learner(&config, &[1], backend).flown_at(&[advance]);
             (0..10).for_each(|step| drop(learner.update(&batch(&[1], step))));
             let s = || tensor(&s, [1, 50, OBSERVATION], backend);
@@ -230,7 +241,7 @@ fn what_flies_is_the_average_of_both_halves_at_the_aim() {
             let condition = aim * f64::from(advance);
             let gain = f64::from(values(learner.average_gain.clone())[0]);
             assert!(gain.abs() > 0.01, "{gain}");
-            let longer = 1.0 + condition * gain;
+            let longer = 1.0 + condition * haste * gain;
             let expected: Vec<f64> = heads
                 .chunks(2 * ACTION)
                 .flat_map(|row| (0..ACTION).map(|i| longer * row[i] + condition * row[ACTION + i]))
