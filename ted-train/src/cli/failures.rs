@@ -4,6 +4,7 @@ use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 
+use crate::ask::AskError;
 use crate::bench::BenchError;
 use crate::collect::CollectError;
 use crate::config::ConfigError;
@@ -236,6 +237,12 @@ impl Ends for QuickstartError {
             Self::Evaluate(error) => error.exit_code(),
             Self::Crosscheck(error) => error.exit_code(),
         }
+    }
+}
+
+impl Ends for AskError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
     }
 }
 

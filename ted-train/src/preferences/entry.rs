@@ -5,7 +5,8 @@
 //!  {"episode":9,"start":7,"length":50}],"answer":0.5,"by":"teacher:true-return"}
 //! ```
 //! (on one line). `answer` is the label: 0 when the first segment is better, 1 when the second is, 0.5 when they are equal, and
-//! null when whoever was asked could not tell: then another question was asked in its place.
+//! null when whoever was asked could not tell: then another question was asked in its place. With `"later":true` beside it they
+//! only put the question off, and it may be asked again after others. The first segment is the one that was shown on the left.
 //! `member` is the reward-ensemble member that asked for itself alone, and null for a question shared by all. A strategy that has
 //! a reason for its question says it in `why`; otherwise there is no such field.
 
@@ -30,6 +31,8 @@ pub struct LogEntry {
     pub question: Question,
     /// The answer; none when whoever was asked could not tell.
     pub answer: Option<Answer>,
+    /// Whether there is no answer because the question was put off.
+    pub later: bool,
     /// Who was asked.
     pub by: String,
 }
@@ -47,6 +50,8 @@ pub(super) struct Line {
     why: Option<String>,
     #[serde(deserialize_with = "written")]
     answer: Option<Number>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub later: bool,
     by: String,
 }
 
@@ -87,6 +92,7 @@ impl Line {
                 Answer::Second => 1.into(),
                 Answer::Equal => Number::from_f64(0.5).expect("0.5 is finite"),
             }),
+            later: entry.later,
             by: entry.by.clone(),
         }
     }

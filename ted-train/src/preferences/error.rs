@@ -123,6 +123,9 @@ pub enum PreferenceError {
         /// The reward of every step.
         reward: f32,
     },
+    /// Whoever was asked does not answer now.
+    #[error("a question was left open: every answer is kept and the same command goes on")]
+    LeftOpen,
     /// Questions enough that nobody could answer.
     #[error(
         "{untold} of {asked} questions got no answer, because whoever was asked could not tell, and there are no other pairs to ask \
@@ -145,6 +148,7 @@ impl PreferenceError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Write { .. } | Self::DiskFull { .. } => ExitCode::Storage,
+            Self::LeftOpen => ExitCode::Interrupted,
             _ => ExitCode::BadInput,
         }
     }

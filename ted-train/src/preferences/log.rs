@@ -116,6 +116,7 @@ impl PreferenceLog {
         let entry = LogEntry {
             question,
             answer,
+            later: answer.is_none() && teacher.put_off(),
             by: teacher.name().into(),
         };
         self.append(&format!("{}\n", Line::new(dataset, &entry).text()))?;
@@ -276,6 +277,7 @@ fn parse_line(
         line,
         answer,
     })?;
+    let later = answer.is_none() && parsed.later;
     let (question, by) = parsed
         .question(dataset)
         .map_err(|source| PreferenceError::Segment {
@@ -286,6 +288,7 @@ fn parse_line(
     Ok(LogEntry {
         question,
         answer,
+        later,
         by,
     })
 }

@@ -93,6 +93,7 @@ mod tests {
                     why: None,
                 },
                 answer: None,
+                later: false,
                 by: String::new(),
             });
         }

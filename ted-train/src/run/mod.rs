@@ -4,6 +4,7 @@
 //! config.toml          the resolved configuration
 //! dataset.json         which dataset: id, digest, path
 //! preferences.jsonl    every query asked and its answer
+//! preferences.aside.jsonl  what a person said after an answer that they took back, in case the same is asked again
 //! reward.state         the learned reward: an ensemble, or the labels of a transformer
 //! reward.training      a transformer on its way there
 //! answers.state        which answers a policy without a reward is learned from

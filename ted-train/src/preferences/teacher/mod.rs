@@ -17,6 +17,11 @@ pub trait Teacher {
     /// Who was asked last, as the log will say, such as `teacher:true-return`.
     fn name(&self) -> &str;
 
+    /// Whether whoever gave no answer last only put the question off.
+    fn put_off(&self) -> bool {
+        false
+    }
+
     /// The answer to the question of this number in the run, counted from 1; none if they cannot tell.
     fn answer(
         &mut self,

@@ -61,6 +61,10 @@ impl Teacher for ReplayTeacher {
         }
     }
 
+    fn put_off(&self) -> bool {
+        self.entry(self.last).is_some_and(|entry| entry.later)
+    }
+
     fn answer(
         &mut self,
         dataset: &Dataset,
@@ -71,6 +75,7 @@ impl Teacher for ReplayTeacher {
             let wanted = LogEntry {
                 question: question.clone(),
                 answer: None,
+                later: false,
                 by: "me".to_owned(),
             };
             return Err(PreferenceError::ReplayExhausted {
