@@ -104,11 +104,8 @@ fn every_answer_is_on_the_disk_before_the_next_question_and_the_end_says_the_nex
                 .collect();
             assert_eq!(names, ["goal", "point"], "declared, not guessed");
         }
-        page.say(
-            &scene,
-            json!({"say": ["left", "right", "equal", "left"][number - 1]}),
-        )
-        .with(204);
+        let word = ["left", "right", "equal", "left"][number - 1];
+        page.say(&scene, json!({"say": word})).with(204);
         page.say(&scene, json!({"say": "right"})).with(409);
     }
     let scene = page.until("review");
@@ -339,17 +336,12 @@ fn a_run_that_asks_first_trains_afterwards_and_is_what_a_replay_of_its_answers_i
 #[test]
 fn what_asks_nobody_and_who_has_no_name_is_refused() {
     let desk = toy();
-    let mut train = ted();
-    train
-        .current_dir(desk.folder.path())
-        .env("MINARI_DATASETS_PATH", desk.folder.path())
-        .args(["train", "ted/toy-paper-n12-s0-v0"]);
-    let mut with = |args: &[&str]| {
+    let with = |args: &[&str]| {
         let mut command = ted();
         command
             .current_dir(desk.folder.path())
             .env("MINARI_DATASETS_PATH", desk.folder.path())
-            .args(train.get_args())
+            .args(["train", "ted/toy-paper-n12-s0-v0"])
             .args(args);
         finish(&mut command)
     };
