@@ -237,8 +237,8 @@ fn whoever_is_not_the_person_sees_nothing_and_changes_nothing() {
             "{nonsense}: {answer:?}"
         );
     }
-    page.say(&scene, json!({"say": "reopen", "place": 99}))
-        .with(409);
+    let reopen = json!({"at": scene["at"], "say": "reopen", "place": 99}).to_string();
+    page.post_as(&reopen, &[("Origin", &own)]).with(409);
     let head = page.get("/").with(200).head.to_lowercase();
     for header in [
         "content-security-policy: default-src 'none'; script-src 'self'",

@@ -162,7 +162,8 @@ function end() {
   const code = how?.how === "next" || how?.how === "stopped" ? how.text : null;
   get("command").hidden = !code;
   get("command-text").textContent = code ?? "";
-  get("copy").hidden = how?.how !== "next";
+  // Only a page of this machine, or over TLS, may write to the clipboard.
+  get("copy").hidden = how?.how !== "next" || !navigator.clipboard;
   get("done").hidden = ended || Boolean(stuck);
   get("title").focus();
 }
