@@ -20,7 +20,7 @@ pub struct EpisodesConfig {
     pub competence_std: f64,
     /// Standard deviation of the weight of each direction; its mean is 0.
     pub direction_std: f64,
-    /// Largest distance of a descriptor from its mean that counts, in standard deviations.
+    /// Largest distance of a channel or a descriptor from its mean that counts, in standard deviations.
     pub clip: f64,
     /// How steeply the chance of an answer rises with the difference in quality.
     pub slope: f64,

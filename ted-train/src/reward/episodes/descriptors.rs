@@ -7,6 +7,9 @@
 //! Each is computed on two halves of an episode, made of every other block of steps. What two halves of the same episode do not
 //! agree on is noise: their correlation over episodes, corrected for the length (Spearman and Brown), is the descriptor's
 //! reliability, and what is believed of it beforehand is believed in that proportion.
+//!
+//! A channel that rests in most episodes has a small deviation, and where it moves after all it may be thirty of them away. So
+//! channels and descriptors are cut off: else the directions would be those of a few episodes in which something fell over.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,8 +20,10 @@ use crate::ranking::ranking;
 #[derive(Clone, Debug)]
 pub struct Descriptors {
     /// `[episode, descriptor]`: competence, then one whereabouts after the other, each with mean 0 and standard deviation 1 over
-    /// episodes, and 0 where it is the same for all.
+    /// episodes before it was cut off, and 0 where it is the same for all.
     pub values: DMatrix<f64>,
+    /// `[episode, descriptor]`: the share of each that is left after that.
+    left: DMatrix<f64>,
     /// How far the two halves of an episode agree on each, from 0 to 1.
     pub reliability: Vec<f64>,
     /// Mean competence and its deviation.
@@ -37,11 +42,13 @@ pub(super) struct Steps<'a> {
     /// Mean of each channel, and the inverse of its deviation; 0 for a channel that does not move.
     pub shift: Vec<f32>,
     pub scale: Vec<f32>,
+    /// Deviations at which a channel is cut off.
+    clip: f64,
 }
 
 impl<'a> Steps<'a> {
-    /// From what the clone does in each step, `steps x action`.
-    pub fn new(dataset: &'a Dataset, cloned: &[f32]) -> Self {
+    /// From what the clone does in each step, `steps x action`, and the deviations at which a channel is cut off.
+    pub fn new(dataset: &'a Dataset, cloned: &[f32], clip: f64) -> Self {
         let width = dataset.action_dim();
         let rows = dataset.actions().chunks_exact(width);
         let along = rows.zip(cloned.chunks_exact(width)).map(|(a, f)| {
@@ -55,6 +62,7 @@ impl<'a> Steps<'a> {
             along: along.collect(),
             shift,
             scale,
+            clip,
         }
     }
 
@@ -69,7 +77,8 @@ impl<'a> Steps<'a> {
 
     /// A channel of a row of observations, in units of its deviation.
     fn channel(&self, observation: &[f32], channel: usize) -> f64 {
-        f64::from((observation[channel] - self.shift[channel]) * self.scale[channel])
+        let moved = f64::from((observation[channel] - self.shift[channel]) * self.scale[channel]);
+        moved.clamp(-self.clip, self.clip)
     }
 
     /// The same of all channels.
@@ -130,7 +139,9 @@ impl Descriptors {
             all.set_column(0, &means.competence.map(|c| (c - mean) * scale).column(0));
             all
         };
-        let values = describe(&whole);
+        let raw = describe(&whole);
+        let values = raw.map(|x| x.clamp(-steps.clip, steps.clip));
+        let left = values.zip_map(&raw, |cut, raw| if cut == raw { 1.0 } else { cut / raw });
         let [even, odd] = halves.each_ref().map(describe);
         let reliability = even.column_iter().zip(odd.column_iter());
         let reliability = reliability.map(|(even, odd)| {
@@ -141,6 +152,7 @@ impl Descriptors {
         Self {
             reliability: reliability.collect(),
             values,
+            left,
             competence,
             directions,
             offsets,
@@ -180,12 +192,14 @@ impl Descriptors {
     /// descriptors.
     pub(super) fn shares(&self, steps: &Steps<'_>, weights: &DVector<f64>) -> Vec<f32> {
         let [mean, std] = self.competence;
-        let competence = if std > TINY { weights[0] / std } else { 0.0 };
-        let weights = weights.rows(1, weights.len() - 1);
-        let direction = &self.directions * weights;
-        let offsets = &self.offsets * weights;
+        let scale = if std > TINY { 1.0 / std } else { 0.0 };
         let mut shares = Vec::with_capacity(steps.dataset.step_count());
-        for (episode, &offset) in steps.dataset.episodes().iter().zip(offsets.iter()) {
+        for (row, episode) in steps.dataset.episodes().iter().enumerate() {
+            let weights = weights.component_mul(&self.left.row(row).transpose());
+            let competence = weights[0] * scale;
+            let weights = weights.rows(1, weights.len() - 1);
+            let direction = &self.directions * weights;
+            let offset = (self.offsets.row(row) * weights)[0];
             let range = episode.first_step..episode.first_step + episode.len;
             let length = steps.mean_length(range.clone());
             for step in range {

@@ -24,8 +24,6 @@ use super::{EpisodeModel, EpisodesConfig, words};
 pub struct Look<'a> {
     steps: Steps<'a>,
     descriptors: Descriptors,
-    /// The descriptors as they are used: none further from the mean than the configuration allows.
-    clipped: DMatrix<f64>,
 }
 
 impl<'a> Look<'a> {
@@ -56,16 +54,9 @@ impl<'a> Look<'a> {
         let clone = fit(&config.clone, &rows, seed, on.backend, &progress)?;
         let cloned = answers(&clone, &rows, 0..rows.count, on.backend);
         progress.finish();
-        let steps = Steps::new(dataset, &cloned);
+        let steps = Steps::new(dataset, &cloned, config.clip);
         let descriptors = Descriptors::of(&steps, config.directions, config.block);
-        let clipped = descriptors
-            .values
-            .map(|x| x.clamp(-config.clip, config.clip));
-        Ok(Self {
-            steps,
-            descriptors,
-            clipped,
-        })
+        Ok(Self { steps, descriptors })
     }
 
     /// The descriptors of the episodes.
@@ -89,13 +80,13 @@ pub(super) fn learn(
     let (evidence, samples) = interrogate(config, &look, &prior, on, interview)?;
 
     let weights: DVector<f64> = samples.row_mean().transpose();
-    let quality = &look.clipped * &weights;
+    let quality = &look.descriptors.values * &weights;
     let mut best = ranking(quality.as_slice());
     best.truncate(config.candidates);
     let confidence = Confidence {
         answers: evidence.labels.len(),
         agreeing: agreeing(&evidence, &weights),
-        ..Confidence::new(&samples, &look.clipped, &best, config.sure)
+        ..Confidence::new(&samples, &look.descriptors.values, &best, config.sure)
     };
     if let Some(moved) = words::moved(&prior, &weights).filter(|_| confidence.answers > 0) {
         on.audience.note(&moved);
@@ -152,14 +143,15 @@ fn interrogate(
     let mut samples = posterior(config, prior, &evidence, seed.child("posterior/0"));
     for query in 0..config.queries {
         let mut rng = seed.child(&format!("query/{query}")).rng();
-        let strategy = MostInformative::new(config, &look.clipped, &samples, &whole);
+        let strategy = MostInformative::new(config, &look.descriptors.values, &samples, &whole);
         let context = Context {
             round: u32::try_from(query).unwrap_or(u32::MAX),
             member: None,
         };
         let LabelledPair { segments, label } =
             interview.ask(context, &strategy, &sampler, &mut rng)?;
-        let [first, second] = segments.map(|segment| look.clipped.row(segment.episode() as usize));
+        let [first, second] =
+            segments.map(|segment| look.descriptors.values.row(segment.episode() as usize));
         evidence.push((second - first).transpose(), label);
         let seed = seed.child(&format!("posterior/{}", query + 1));
         samples = posterior(config, prior, &evidence, seed);

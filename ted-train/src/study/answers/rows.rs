@@ -28,6 +28,8 @@ pub enum Family {
     Teachers,
     /// More answers, or fewer.
     Number,
+    /// What each part of ours gives.
+    Parts,
     /// Logs that are no Meta-World.
     Other,
     /// The other forty tasks.
@@ -36,13 +38,14 @@ pub enum Family {
 
 impl Family {
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Ten,
         Self::Biased,
         Self::Intentions,
         Self::Few,
         Self::Teachers,
         Self::Number,
+        Self::Parts,
         Self::Other,
         Self::Forty,
     ];
@@ -57,6 +60,7 @@ impl Family {
             Self::Few => "few",
             Self::Teachers => "teachers",
             Self::Number => "number",
+            Self::Parts => "parts",
             Self::Other => "other",
             Self::Forty => "forty",
         }
@@ -72,6 +76,7 @@ impl Family {
             Self::Few => "Few good episodes, and small logs",
             Self::Teachers => "Teachers that err",
             Self::Number => "Number of answers",
+            Self::Parts => "What each part of ours gives",
             Self::Other => "Logs that are no Meta-World",
             Self::Forty => "The other forty tasks",
         }
@@ -187,6 +192,22 @@ const NUMBERS: [(&str, &[&str]); 6] = [
     ("100 answers", &["reward.queries=100"]),
 ];
 
+/// Ours without one part each.
+const PARTS: [(&str, &[&str]); 9] = [
+    ("all of it", &[]),
+    ("no answers", &["reward.queries=0"]),
+    ("questions not chosen", &["reward.pool=1"]),
+    (
+        "no competence",
+        &["reward.competence=0", "reward.competence_std=0"],
+    ),
+    ("competence not believed in", &["reward.competence=0"]),
+    ("no whereabouts", &["reward.direction_std=0"]),
+    ("no slips", &["reward.lapse=0"]),
+    ("no decay", &["algorithm.weight_decay=0"]),
+    ("no averaged weights", &["algorithm.average_rate=1"]),
+];
+
 /// Every row. What two of them have in common is one run.
 #[must_use]
 pub fn rows() -> Vec<Row> {
@@ -267,6 +288,11 @@ pub fn rows() -> Vec<Row> {
     for (variant, sets) in NUMBERS {
         for log in asked() {
             add(Family::Number, variant, log, sets, &ours);
+        }
+    }
+    for (variant, sets) in PARTS {
+        for log in asked() {
+            add(Family::Parts, variant, log, sets, &ours);
         }
     }
     for units in Units::ALL {

@@ -71,21 +71,58 @@ fn descriptors_have_one_size_and_say_nothing_of_the_place_that_was_given() {
 }
 
 #[test]
-fn the_mean_share_of_an_episode_s_steps_is_its_quality() {
+fn the_mean_share_of_an_episode_s_steps_is_its_quality_also_where_it_is_cut_off() {
     let dataset = mixed();
     let cloned: Vec<f32> = (0..dataset.step_count())
         .map(|step| dataset.observation(step)[1] - dataset.observation(step)[0])
         .collect();
-    let steps = Steps::new(&dataset, &cloned);
-    let descriptors = Descriptors::of(&steps, 2, 10);
     let weights = DVector::from_vec(vec![1.5, -0.5, 0.25]);
-    let shares = descriptors.shares(&steps, &weights);
-    let quality = &descriptors.values * &weights;
-    for (episode, quality) in dataset.episodes().iter().zip(quality.iter()) {
-        let own = &shares[episode.first_step..episode.first_step + episode.len];
-        let mean = own.iter().map(|&share| f64::from(share)).sum::<f64>() / own.len() as f64;
-        assert!((mean - quality).abs() < 1e-5, "{mean} {quality}");
+    for clip in [4.0, 1.0] {
+        let steps = Steps::new(&dataset, &cloned, clip);
+        let descriptors = Descriptors::of(&steps, 2, 10);
+        assert!(descriptors.values.amax() <= clip);
+        let shares = descriptors.shares(&steps, &weights);
+        let quality = &descriptors.values * &weights;
+        for (episode, quality) in dataset.episodes().iter().zip(quality.iter()) {
+            let own = &shares[episode.first_step..episode.first_step + episode.len];
+            let mean = own.iter().map(|&share| f64::from(share)).sum::<f64>() / own.len() as f64;
+            assert!((mean - quality).abs() < 1e-5, "{mean} {quality}");
+        }
     }
+}
+
+#[test]
+fn one_episode_in_which_a_resting_channel_moves_does_not_decide_what_is_looked_at() {
+    let steps = 11;
+    let mut episodes: Vec<EpisodeRecord> = (0..100)
+        .map(|episode| EpisodeRecord {
+            // Two of a kind go up, two go down; the other channel rests.
+            observations: (0..steps)
+                .flat_map(|step| {
+                    [
+                        step as f32 * if episode % 4 < 2 { 0.1 } else { -0.1 },
+                        0.5,
+                        0.0,
+                    ]
+                })
+                .collect(),
+            actions: vec![0.0; steps - 1],
+            rewards: vec![0.0; steps - 1],
+            terminations: vec![false; steps - 1],
+            truncations: (1..steps).map(|step| step == steps - 1).collect(),
+            success: vec![false; steps - 1],
+            ..EpisodeRecord::default()
+        })
+        .collect();
+    // Something falls over in one of them after its first step.
+    for step in 1..steps {
+        episodes[7].observations[3 * step + 2] = 1e3;
+    }
+    let dataset = Dataset::from_records("ted/odd-v0", super::SHAPE, &episodes).unwrap();
+    let cloned = vec![0.0; dataset.step_count()];
+    let look = Descriptors::of(&Steps::new(&dataset, &cloned, 4.0), 1, 1);
+    let first = look.channels(0)[0].0;
+    assert_eq!(first, 0, "the channel that tells the two kinds apart");
 }
 
 #[test]
