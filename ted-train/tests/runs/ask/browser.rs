@@ -157,7 +157,7 @@ pub fn address(told: &mut impl Read) -> String {
     }
 }
 
-/// Sends a request and reads all that comes back.
+/// Sends a request and reads what comes back, which says how long it is.
 pub fn send(host: &str, what: &str, headers: &[(&str, &str)], body: &str) -> Answer {
     let mut stream = TcpStream::connect(host).unwrap();
     stream
@@ -169,14 +169,21 @@ pub fn send(host: &str, what: &str, headers: &[(&str, &str)], body: &str) -> Ans
     let headers: String = headers.collect();
     let request = format!("{what} HTTP/1.1\r\n{headers}\r\n{body}");
     stream.write_all(request.as_bytes()).unwrap();
-    let mut bytes = Vec::new();
-    // A server that has seen enough may close before everything is read.
-    let _ = stream.read_to_end(&mut bytes);
-    let text = String::from_utf8(bytes).unwrap();
-    let (head, body) = text.split_once("\r\n\r\n").unwrap();
+    let mut reader = BufReader::new(stream);
+    let mut head = String::new();
+    while !head.ends_with("\r\n\r\n") {
+        assert!(reader.read_line(&mut head).unwrap() > 0, "{head}");
+    }
+    let length = head.lines().find_map(|line| {
+        let (name, value) = line.split_once(':')?;
+        name.eq_ignore_ascii_case("content-length")
+            .then_some(value.trim())
+    });
+    let mut body = vec![0; length.map_or(0, |length| length.parse().unwrap())];
+    reader.read_exact(&mut body).unwrap();
     Answer {
         status: head.split(' ').nth(1).unwrap().parse().unwrap(),
-        head: head.to_owned(),
-        body: body.to_owned(),
+        head,
+        body: String::from_utf8(body).unwrap(),
     }
 }

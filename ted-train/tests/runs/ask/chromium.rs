@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 use serde_json::{Value, json};
 
 use super::browser::send;
+use crate::command::terminate;
 
 /// A browser with one window.
 pub struct Chromium {
@@ -156,7 +157,8 @@ impl Drop for Chromium {
         if !std::thread::panicking() {
             self.ask("DELETE", &self.session, &Value::Null);
         }
-        let _ = self.driver.kill();
+        // Asked to stop it takes its browser along, also after a test that failed.
+        terminate(&self.driver);
         let _ = self.driver.wait();
     }
 }

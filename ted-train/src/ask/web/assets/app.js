@@ -128,6 +128,7 @@ async function ask() {
   pictures = both;
   title(`${fill("question", { number: scene.number, of: scene.of })}: ${words.ask}`);
   get("why").textContent = scene.why ? fill("why", { why: scene.why }) : words["no-why"];
+  for (const button of says) button.disabled = true;
   only("asking");
   // Whoever pressed a button with the keyboard hears the next question, and goes on from there.
   if (document.activeElement === document.body || document.activeElement.disabled) get("title").focus({ preventScroll: true });
