@@ -24,7 +24,8 @@ Examples:
   ted study answers --slurm 8 --slurm-option=--time=8:00:00 --slurm-option=--cpus-per-task=4
 
 What is cheap is made first, seed by seed, and then what learns values: stop it when you have seen enough, and the same command \
-goes on. Datasets that are missing are collected, each before its first run. What is cheap is some eighteen core-hours, and the rest twenty-five.";
+goes on. Datasets that are missing are collected, each before its first run. What is cheap is some twenty-one core-hours, and the rest \
+twenty-five.";
 
 /// Measure what answers are worth: on ten tasks, hard logs, teachers that err; beside imitation, no reward and true rewards
 #[derive(Debug, Args)]

@@ -120,9 +120,12 @@ fn one_episode_in_which_a_resting_channel_moves_does_not_decide_what_is_looked_a
     }
     let dataset = Dataset::from_records("ted/odd-v0", super::SHAPE, &episodes).unwrap();
     let cloned = vec![0.0; dataset.step_count()];
-    let look = Descriptors::of(&Steps::new(&dataset, &cloned, 4.0), 1, 1);
-    let first = look.channels(0)[0].0;
-    assert_eq!(first, 0, "the channel that tells the two kinds apart");
+    let most_moving = |clip| {
+        let look = Descriptors::of(&Steps::new(&dataset, &cloned, clip), 1, 1);
+        look.channels(0)[0].0
+    };
+    assert_eq!(most_moving(1e9), 2, "without a limit, what fell over");
+    assert_eq!(most_moving(4.0), 0, "what tells the two kinds apart");
 }
 
 #[test]
