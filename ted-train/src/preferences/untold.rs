@@ -28,7 +28,7 @@ impl<'a> Untold<'a> {
     }
 
     fn pairs(self) -> impl Iterator<Item = [Segment; 2]> + use<'a> {
-        let entries = self.0.iter().filter(|entry| entry.answer.is_none());
+        let entries = self.0.iter().filter(|entry| entry.said.answer.is_none());
         entries.map(|entry| entry.question.query.segments)
     }
 }
