@@ -1,5 +1,6 @@
 //! The `ted` command line: each command in its own file, each with `--help`, `--json` and exit codes by kind of failure.
 
+mod answers;
 mod bench;
 mod collect;
 mod crosscheck;
@@ -50,6 +51,7 @@ enum Command {
     Doctor(doctor::DoctorArgs),
     Collect(collect::CollectArgs),
     Train(train::TrainArgs),
+    Answers(answers::AnswersArgs),
     Eval(eval::EvalArgs),
     Export(export::ExportArgs),
     Inspect(inspect::InspectArgs),
@@ -73,6 +75,7 @@ pub fn run() -> ExitCode {
         Command::Doctor(args) => doctor::run(&args),
         Command::Collect(args) => collect::run(&args),
         Command::Train(args) => train::run(&args),
+        Command::Answers(args) => answers::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
