@@ -21,7 +21,7 @@ const EXAMPLES: &str = "\
 Examples:
   ted answers runs/drawer-open-v3/steer/seed-0/preferences.jsonl
   ted answers mine.jsonl --for drawer-open-v3                     which lines are about that dataset
-  ted answers mine.jsonl --for runs/mine                          which lines answer what that run asks
+  ted answers mine.jsonl --for runs/mine                          which lines that run uses
   ted answers anna.jsonl ben.jsonl --merge both.jsonl
   ted answers --import csv labels.csv --dataset drawer-open-v3 --out mine.jsonl
 
