@@ -119,6 +119,12 @@ pub(super) fn columns(
     }
 }
 
+/// A cell without quotes that a space stood before: the reader takes those for a part of it.
+fn unquoted(cell: &str) -> &str {
+    let inside = cell.strip_prefix('"').and_then(|it| it.strip_suffix('"'));
+    inside.map_or(cell, str::trim)
+}
+
 /// Hands on every row of a table; what goes wrong with one is named with its line.
 pub(super) fn rows<T: DeserializeOwned>(
     path: &Path,
@@ -138,7 +144,8 @@ pub(super) fn rows<T: DeserializeOwned>(
             }
         }
         let line = record.position().map_or(from, csv::Position::line);
-        let row = record.deserialize(Some(&headers));
+        let bare: StringRecord = record.iter().map(unquoted).collect();
+        let row = bare.deserialize(Some(&headers));
         row.map_err(|error| error.to_string())
             .and_then(&mut each)
             .map_err(|reason| ImportError::line(path, line, reason))?;

@@ -56,6 +56,9 @@ fn a_table_is_read_with_spaces_quotes_marks_and_columns_in_any_order() {
     assert_eq!(of_table(marked.as_bytes()).unwrap(), expected);
     let wide: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
     assert_eq!(of_table(&wide).unwrap(), expected);
+    let quoted = plain.replace(",5,0\n", ",5, \"0\" \n");
+    assert_ne!(quoted, plain);
+    assert_eq!(of_table(quoted.as_bytes()).unwrap(), expected);
     let named = "at,label,by,episode_1,start_1,length_1,episode_2,start_2,length_2\n\
                  \"May 1, 14:03\",1,\"Zoë\",0,0,5,1,2,5";
     let row = "episode 0 steps 0..5 or episode 1 steps 2..7: Some(Second) by Zoë at Some(\"May 1, 14:03\")";
