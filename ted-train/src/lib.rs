@@ -2,6 +2,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod algorithm;
+pub mod answers;
 pub mod ask;
 pub mod bench;
 pub mod checkpoint;

@@ -1,11 +1,8 @@
 //! The teacher that waits for a person.
 
-use std::path::Path;
-
-use super::aside::Aside;
 use super::person::{Person, Reply, Turn};
 use crate::dataset::Dataset;
-use crate::preferences::{Answer, PreferenceError, PreferenceLog, Question, Teacher};
+use crate::preferences::{LogEntry, PreferenceError, Question, ReplayTeacher, Said, Teacher};
 
 /// Why an interview was broken off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,69 +16,50 @@ pub(super) enum Wish {
 /// Hands questions to a person, but for those that were answered before an earlier answer was changed.
 pub(super) struct Listener<'p> {
     pub person: &'p mut dyn Person,
-    pub log: &'p Path,
-    pub aside: Aside,
+    pub aside: Option<ReplayTeacher>,
     pub of: usize,
     pub by: &'p str,
-    /// Who said what is to be written next, where that was somebody else.
-    pub heard: Option<Heard>,
     pub wish: Option<Wish>,
 }
 
-/// What goes with the last answer into the log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Heard {
-    pub by: String,
-    pub later: bool,
+impl Listener<'_> {
+    /// Breaks the interview off.
+    fn leave(&mut self, wish: Wish) -> PreferenceError {
+        self.wish = Some(wish);
+        PreferenceError::LeftOpen
+    }
 }
 
 impl Teacher for Listener<'_> {
-    fn name(&self) -> &str {
-        self.heard.as_ref().map_or(self.by, |heard| &heard.by)
-    }
-
-    fn put_off(&self) -> bool {
-        self.heard.as_ref().is_some_and(|heard| heard.later)
-    }
-
     fn answer(
         &mut self,
-        dataset: &Dataset,
-        _: usize,
+        _: &Dataset,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
-        if let Some(entry) = self.aside.said_to(&question.query) {
-            self.heard = Some(Heard {
-                by: entry.by.clone(),
-                later: entry.later,
-            });
-            return Ok(entry.answer);
+    ) -> Result<Said, PreferenceError> {
+        let aside = self.aside.as_ref();
+        if let Some(said) = aside.and_then(|it| it.said_to(question, asked)) {
+            return Ok(said);
         }
-        let before = PreferenceLog::read(self.log, dataset)?;
-        let answered = before.iter().filter(|entry| entry.answer.is_some()).count();
+        let answered = asked.iter().filter(|it| it.said.answer.is_some()).count();
         let reply = self.person.answer(Turn {
             question,
             number: answered + 1,
             of: self.of,
-            before: &before,
+            before: asked,
         });
         let (answer, later) = match reply {
             Reply::Answer(answer) => (Some(answer), false),
             Reply::CannotTell => (None, false),
             Reply::Later => (None, true),
-            Reply::Reopen(place) => {
-                self.wish = Some(Wish::Reopen(place));
-                return Err(PreferenceError::LeftOpen);
-            }
-            Reply::Stop => {
-                self.wish = Some(Wish::Stop);
-                return Err(PreferenceError::LeftOpen);
-            }
+            Reply::Reopen(place) => return Err(self.leave(Wish::Reopen(place))),
+            Reply::Stop => return Err(self.leave(Wish::Stop)),
         };
-        self.heard = Some(Heard {
-            by: self.by.to_owned(),
+        Ok(Said {
+            answer,
             later,
-        });
-        Ok(answer)
+            by: self.by.to_owned(),
+            at: None,
+        })
     }
 }

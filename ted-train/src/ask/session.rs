@@ -2,10 +2,9 @@
 
 use firmware_sim::progress::Audience;
 
-use super::AskError;
-use super::aside::Aside;
 use super::listener::{Listener, Wish};
 use super::person::{Person, Review, Verdict};
+use super::{AskError, aside};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::preferences::{Interview, PreferenceError, PreferenceLog};
@@ -49,11 +48,9 @@ impl Session<'_> {
             }
             let mut listener = Listener {
                 person: &mut *person,
-                log: &path,
-                aside: Aside::open(self.folder, self.dataset)?,
+                aside: aside::open(self.folder, self.dataset)?,
                 of: self.config.answers(),
                 by: self.by,
-                heard: None,
                 wish: None,
             };
             let mut interview = Interview::new(self.dataset, &mut listener, log);
@@ -81,7 +78,10 @@ impl Session<'_> {
             match person.review(review) {
                 Verdict::Reopen(place) => self.reopen(place)?,
                 Verdict::Done if stuck.is_none() => {
-                    return Ok(said.iter().filter(|entry| entry.answer.is_some()).count());
+                    return Ok(said
+                        .iter()
+                        .filter(|entry| entry.said.answer.is_some())
+                        .count());
                 }
                 Verdict::Done | Verdict::Stop => return Err(AskError::Stopped),
             }
@@ -90,6 +90,6 @@ impl Session<'_> {
 
     /// Takes the answer of this place back, and with it those that depend on it.
     fn reopen(&self, place: usize) -> Result<(), AskError> {
-        Aside::open(self.folder, self.dataset)?.reopen(self.folder, self.dataset, place)
+        aside::reopen(self.folder, self.dataset, place)
     }
 }

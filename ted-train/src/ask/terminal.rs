@@ -133,18 +133,18 @@ fn listed(said: &[LogEntry]) -> String {
             .query
             .segments
             .map(|it| it.episode().to_string());
-        let said = match entry.answer {
+        let said = match entry.said.answer {
             Some(Answer::First) => "said-left",
             Some(Answer::Second) => "said-right",
             Some(Answer::Equal) => "said-equal",
-            None if entry.later => "said-later",
+            None if entry.said.later => "said-later",
             None => "said-cannot-tell",
         };
         let line = [
             ("left", left.as_str()),
             ("right", &right),
             ("said", word(said)),
-            ("by", &entry.by),
+            ("by", &entry.said.by),
         ];
         format!("{number:>3}  {}\n", filled("said-line", &line))
     });

@@ -160,7 +160,11 @@ fn an_answer_is_kept_at_once_and_who_comes_back_is_asked_only_what_is_open() {
         second.asked[0].1, first.asked[3].1,
         "the open one comes again"
     );
-    let by: Vec<String> = desk.entries().into_iter().map(|entry| entry.by).collect();
+    let by: Vec<String> = desk
+        .entries()
+        .into_iter()
+        .map(|entry| entry.said.by)
+        .collect();
     assert_eq!(by, ["anna", "anna", "anna", "bert", "bert", "bert"]);
     assert_eq!(
         desk.replayed(&desk.log()),
@@ -189,7 +193,7 @@ fn a_changed_answer_is_asked_about_again_and_after_it_only_what_is_another_quest
     let desk = Desk::new(12);
     desk.hold(&mut Script::default(), "anna").unwrap();
     let before = desk.entries();
-    let changed = Reply::Answer(before[1].answer.unwrap().turned());
+    let changed = Reply::Answer(before[1].said.answer.unwrap().turned());
     let mut person = Script::of(&[changed], &[Verdict::Reopen(1)]);
     desk.hold(&mut person, "bert").unwrap();
     let after = desk.entries();
@@ -198,13 +202,16 @@ fn a_changed_answer_is_asked_about_again_and_after_it_only_what_is_another_quest
         (&after[0], after[1].question.query),
         (&before[0], before[1].question.query)
     );
-    assert_eq!(after[1].answer, before[1].answer.map(Answer::turned));
+    assert_eq!(
+        after[1].said.answer,
+        before[1].said.answer.map(Answer::turned)
+    );
     for entry in &after[2..] {
         let query = entry.question.query;
         let known = before[2..].iter().find(|it| it.question.query == query);
         let asked = person.asked.iter().any(|(_, it)| *it == query);
         assert_eq!(asked, known.is_none(), "{query:?}");
-        assert_eq!(entry.by, if asked { "bert" } else { "anna" });
+        assert_eq!(entry.said.by, if asked { "bert" } else { "anna" });
     }
     assert_eq!(desk.replayed(&desk.log()), after);
 }
@@ -218,7 +225,10 @@ fn an_answer_is_taken_back_in_the_middle_and_the_question_before_it_too() {
     let numbers: Vec<usize> = person.asked.iter().map(|(number, _)| *number).collect();
     assert_eq!(numbers[..5], [1, 2, 3, 2, 1]);
     assert_eq!(person.asked[0].1, person.asked[4].1);
-    assert_eq!(desk.entries()[0].answer, Some(larger(&person.asked[0].1)));
+    assert_eq!(
+        desk.entries()[0].said.answer,
+        Some(larger(&person.asked[0].1))
+    );
     assert_eq!(desk.replayed(&desk.log()), desk.entries());
 }
 
@@ -229,7 +239,7 @@ fn a_question_that_is_put_off_is_followed_by_another_one_and_may_come_back() {
     let held = desk.hold(&mut person, "anna");
     assert_eq!(held.unwrap(), WANTED);
     let said = desk.entries();
-    let later: Vec<bool> = said.iter().map(|entry| entry.later).collect();
+    let later: Vec<bool> = said.iter().map(|entry| entry.said.later).collect();
     assert_eq!(later[..4], [true, true, false, false]);
     let log = desk.read();
     let first = log.lines().next().unwrap();
@@ -253,6 +263,40 @@ fn a_question_that_is_put_off_is_followed_by_another_one_and_may_come_back() {
         "who cannot tell is not asked again"
     );
     assert_eq!(desk.replayed(&desk.log()), said);
+}
+
+#[test]
+fn what_one_person_puts_off_another_one_answers_and_a_replay_says_who_said_what() {
+    let desk = Desk::new(3);
+    let mut anna = Script::of(&[Reply::Later, Reply::Later, Reply::Stop], &[]);
+    let stopped = desk.hold(&mut anna, "anna");
+    assert!(matches!(stopped, Err(AskError::Stopped)));
+    assert_eq!(desk.hold(&mut Script::default(), "bert").unwrap(), WANTED);
+    let said = desk.entries();
+    let put_off = said[0].question.query.segments;
+    let mut others = said[2..].iter();
+    assert!(others.any(|entry| entry.question.query.is_about(put_off)));
+    assert_eq!(desk.replayed(&desk.log()), said);
+    let teacher = ReplayTeacher::open(desk.log(), &desk.dataset).unwrap();
+    assert_eq!(teacher.first_other_answer(&said), None);
+    assert!(teacher.account(&said).iter().all(|it| it.why_not.is_none()));
+}
+
+#[test]
+fn what_was_put_off_after_an_answer_that_is_taken_back_and_given_again_is_put_off_as_before() {
+    let desk = Desk::new(12);
+    let replies = [LEFT, Reply::Later, LEFT, Reply::CannotTell];
+    desk.hold(&mut Script::of(&replies, &[]), "anna").unwrap();
+    let taken_back = desk.entries()[0].question.query.segments;
+    // An editor has left an empty line in the middle.
+    let before = desk.read();
+    std::fs::write(desk.log(), before.replacen('\n', "\n\n", 1)).unwrap();
+    let mut person = Script::of(&[LEFT], &[Verdict::Reopen(0)]);
+    desk.hold(&mut person, "anna").unwrap();
+    let again = person.asked.iter();
+    let others: Vec<_> = again.filter(|(_, it)| !it.is_about(taken_back)).collect();
+    assert!(others.is_empty(), "{others:?} of {before}");
+    assert_eq!(desk.read(), before);
 }
 
 #[test]

@@ -97,7 +97,10 @@ pub(super) fn run(args: &AskArgs) -> Result<(), Failure> {
     let report = AskReport {
         run: &lane.folder,
         preferences: &log,
-        answers: said.iter().filter(|entry| entry.answer.is_some()).count(),
+        answers: said
+            .iter()
+            .filter(|entry| entry.said.answer.is_some())
+            .count(),
         next: &next,
     };
     args.output.print(&report, || report.text())

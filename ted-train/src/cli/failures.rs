@@ -4,6 +4,7 @@ use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 
+use crate::answers::import::ImportError;
 use crate::ask::AskError;
 use crate::bench::BenchError;
 use crate::collect::CollectError;
@@ -68,6 +69,12 @@ impl Ends for WriteError {
 }
 
 impl Ends for PreferenceError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
+    }
+}
+
+impl Ends for ImportError {
     fn exit_code(&self) -> ExitCode {
         Self::exit_code(self)
     }

@@ -1,5 +1,6 @@
 //! The `ted` command line: each command in its own file, each with `--help`, `--json` and exit codes by kind of failure.
 
+mod answers;
 mod ask;
 mod bench;
 mod collect;
@@ -54,6 +55,7 @@ enum Command {
     Collect(collect::CollectArgs),
     Ask(ask::AskArgs),
     Train(train::TrainArgs),
+    Answers(answers::AnswersArgs),
     Eval(eval::EvalArgs),
     Export(export::ExportArgs),
     Inspect(inspect::InspectArgs),
@@ -78,6 +80,7 @@ pub fn run() -> ExitCode {
         Command::Collect(args) => collect::run(&args),
         Command::Ask(args) => ask::run(&args),
         Command::Train(args) => train::run(&args),
+        Command::Answers(args) => answers::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),

@@ -17,19 +17,18 @@ impl<'a> Untold<'a> {
 
     /// Whether a pair is not to be asked about now, whichever of the two is shown first.
     #[must_use]
-    pub fn contains(self, [first, second]: [Segment; 2]) -> bool {
-        let answered = self.0.iter().rposition(|entry| entry.answer.is_some());
+    pub fn contains(self, pair: [Segment; 2]) -> bool {
+        let answered = self.0.iter().rposition(|it| it.said.answer.is_some());
         let mut closed = (self.0.iter().enumerate())
-            .filter(|(place, entry)| !entry.later || answered.is_none_or(|last| *place > last))
-            .filter(|(_, entry)| entry.answer.is_none())
-            .map(|(_, entry)| entry.question.query.segments);
-        closed.any(|pair| pair == [first, second] || pair == [second, first])
+            .filter(|(place, it)| !it.said.later || answered.is_none_or(|last| *place > last))
+            .filter(|(_, it)| it.said.answer.is_none());
+        closed.any(|(_, it)| it.question.query.is_about(pair))
     }
 
     /// How many questions got no answer.
     #[must_use]
     pub fn count(self) -> usize {
-        let untold = self.0.iter().filter(|entry| entry.answer.is_none());
+        let untold = self.0.iter().filter(|it| it.said.answer.is_none());
         untold.count()
     }
 }

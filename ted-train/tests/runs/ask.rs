@@ -329,7 +329,7 @@ fn a_run_that_asks_first_trains_afterwards_and_is_what_a_replay_of_its_answers_i
         .telling("the answers are in");
     let dataset = ted_train::dataset::Dataset::open(desk.run("ted/toy-paper-n12-s0-v0")).unwrap();
     let entries = PreferenceLog::read(desk.run("asked/preferences.jsonl"), &dataset).unwrap();
-    assert!(entries.iter().all(|entry| entry.by == "anna"));
+    assert!(entries.iter().all(|entry| entry.said.by == "anna"));
     finish(&mut command(&desk, "ask", "asked")).with(2);
 }
 

@@ -128,15 +128,15 @@ impl Phase {
 impl Before {
     pub fn of(entry: &LogEntry) -> Self {
         Self {
-            said: match entry.answer {
+            said: match entry.said.answer {
                 Some(Answer::First) => Said::Left,
                 Some(Answer::Second) => Said::Right,
                 Some(Answer::Equal) => Said::Equal,
-                None if entry.later => Said::Later,
+                None if entry.said.later => Said::Later,
                 None => Said::CannotTell,
             },
             episodes: entry.question.query.segments.map(|it| it.episode()),
-            by: entry.by.clone(),
+            by: entry.said.by.clone(),
         }
     }
 }
