@@ -218,7 +218,8 @@ fn same_answers(
     dataset: &Dataset,
 ) -> Result<(), LaneError> {
     let held = folder.file(PREFERENCES);
-    if !held.exists() {
+    // Its own log is what it was told, also where two people were asked about the same clips.
+    if !held.exists() || held.canonicalize().ok() == log.canonicalize().ok() {
         return Ok(());
     }
     let held = PreferenceLog::read(&held, dataset)?;

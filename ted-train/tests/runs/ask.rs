@@ -40,28 +40,32 @@ fn small(mut command: Command) -> Command {
 
 /// A folder with logs of the toy.
 fn toy() -> Desk {
+    toy_of(12)
+}
+
+fn toy_of(episodes: u32) -> Desk {
     let desk = Desk::new();
     let mut collect = ted();
     collect
         .env("MINARI_DATASETS_PATH", desk.folder.path())
-        .args(["collect", "--task", "toy", "--episodes", "12"]);
+        .args(["collect", "--task", "toy", "--episodes"])
+        .arg(episodes.to_string());
     finish(&mut collect).with(0);
     desk
 }
 
 fn command(desk: &Desk, verb: &str, out: &str) -> Command {
+    let mut command = about("ted/toy-paper-n12-s0-v0", desk, verb, out);
+    command.args(["--by", "anna"]);
+    command
+}
+
+fn about(dataset: &str, desk: &Desk, verb: &str, out: &str) -> Command {
     let mut command = ted();
     command
         .current_dir(desk.folder.path())
         .env("MINARI_DATASETS_PATH", desk.folder.path())
-        .args([
-            verb,
-            "ted/toy-paper-n12-s0-v0",
-            "--out",
-            out,
-            "--by",
-            "anna",
-        ]);
+        .args([verb, dataset, "--out", out]);
     for set in QUICK {
         command.args(["--set", set]);
     }
@@ -331,6 +335,27 @@ fn a_run_that_asks_first_trains_afterwards_and_is_what_a_replay_of_its_answers_i
     let entries = PreferenceLog::read(desk.run("asked/preferences.jsonl"), &dataset).unwrap();
     assert!(entries.iter().all(|entry| entry.said.by == "anna"));
     finish(&mut command(&desk, "ask", "asked")).with(2);
+}
+
+#[test]
+fn a_run_learns_from_its_own_log_also_where_two_people_were_asked_about_the_same_clips() {
+    let desk = toy_of(3);
+    let dataset = "ted/toy-paper-n3-s0-v0";
+    let asked = |by: &str, typed: &str| {
+        let mut ask = small(about(dataset, &desk, "ask", "mine"));
+        ask.args(["--by", by, "--text"]).stdin(Stdio::piped());
+        let mut child = ask.spawn().unwrap();
+        std::io::Write::write_all(&mut child.stdin.take().unwrap(), typed.as_bytes()).unwrap();
+        ended(child)
+    };
+    asked("anna", "1\n1\n1\n").with(130);
+    asked("ben", "3\n\n").with(0);
+    // There are three pairs and four answers.
+    let log = desk.run("mine/preferences.jsonl");
+    let before = fs::read(&log).unwrap();
+    let mut train = small(about(dataset, &desk, "train", "mine"));
+    finish(train.args(["--preferences", "mine/preferences.jsonl"])).with(0);
+    assert_eq!(fs::read(&log).unwrap(), before);
 }
 
 #[test]
