@@ -196,9 +196,9 @@ fn where_no_teacher_can_answer_a_person_answers_what_the_command_asks_line_by_li
     };
     // The second one cannot be told, so four questions are asked for three answers.
     for (number, answer) in (1..).zip(["1", "null", "0.5", "0"]) {
-        let asked = train()
-            .with(3)
-            .telling(&format!("question {number} was asked"));
+        let asked = train().with(3).telling(&format!(
+            "answers.jsonl does not answer question {number} ("
+        ));
         let line = asked.told.lines().find_map(|it| it.split_once("tell: "));
         let line = line.unwrap().1;
         let answered = line.replace("\"answer\":null", &format!("\"answer\":{answer}"));
