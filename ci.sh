@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, and Slurm; on a
+# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, and Chromium with its driver; on a
 # Debian machine of CI's own what is missing is installed. The simulator's packages are installed by the tests that need them.
 # One profile throughout: burn is built once, and tests of numbers want it optimised.
 set -euo pipefail
@@ -44,6 +44,7 @@ installed() {
     find_python
     for_the_firmware
     for_the_cluster
+    for_the_page
     cargo --version
     "$python" --version
     qemu-system-arm --version | head -1
@@ -69,6 +70,11 @@ for_the_cluster() {
         debian slurmctld slurmd slurm-client munge
         break
     done
+}
+
+# A browser, for the page of `ted ask`.
+for_the_page() {
+    command -v chromedriver >/dev/null || debian chromium chromium-driver
 }
 
 # Installs packages where that is nobody's own machine, and names them elsewhere.

@@ -2,6 +2,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod algorithm;
+pub mod answers;
+pub mod ask;
 pub mod bench;
 pub mod checkpoint;
 pub mod cli;

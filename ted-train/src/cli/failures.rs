@@ -4,6 +4,8 @@ use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 
+use crate::answers::import::ImportError;
+use crate::ask::AskError;
 use crate::bench::BenchError;
 use crate::collect::CollectError;
 use crate::config::ConfigError;
@@ -67,6 +69,12 @@ impl Ends for WriteError {
 }
 
 impl Ends for PreferenceError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
+    }
+}
+
+impl Ends for ImportError {
     fn exit_code(&self) -> ExitCode {
         Self::exit_code(self)
     }
@@ -236,6 +244,12 @@ impl Ends for QuickstartError {
             Self::Evaluate(error) => error.exit_code(),
             Self::Crosscheck(error) => error.exit_code(),
         }
+    }
+}
+
+impl Ends for AskError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
     }
 }
 

@@ -1,9 +1,12 @@
 //! The `ted` command line: each command in its own file, each with `--help`, `--json` and exit codes by kind of failure.
 
+mod answers;
+mod ask;
 mod bench;
 mod collect;
 mod crosscheck;
 mod doctor;
+mod door;
 mod eval;
 mod export;
 mod failures;
@@ -29,6 +32,7 @@ A first run, all of it at reduced size:
 
 The same step by step:
   ted collect --task drawer-open-v3
+  ted ask drawer-open-v3                  your own answers, on a page; leave it out and the true rewards answer
   ted train drawer-open-v3 --seed 0
   ted crosscheck runs/drawer-open-v3/steer/seed-0
   firmware-sim fly runs/drawer-open-v3/steer/seed-0/policy.ted --episodes 50
@@ -49,7 +53,9 @@ enum Command {
     Quickstart(quickstart::QuickstartArgs),
     Doctor(doctor::DoctorArgs),
     Collect(collect::CollectArgs),
+    Ask(ask::AskArgs),
     Train(train::TrainArgs),
+    Answers(answers::AnswersArgs),
     Eval(eval::EvalArgs),
     Export(export::ExportArgs),
     Inspect(inspect::InspectArgs),
@@ -72,7 +78,9 @@ pub fn run() -> ExitCode {
         Command::Quickstart(args) => quickstart::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Collect(args) => collect::run(&args),
+        Command::Ask(args) => ask::run(&args),
         Command::Train(args) => train::run(&args),
+        Command::Answers(args) => answers::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),

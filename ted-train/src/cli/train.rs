@@ -14,6 +14,7 @@ use crate::fleet::{self, Crew, Datasets, Lane, introduce};
 use crate::run::RunFolder;
 use crate::train::{Watch, check, check_teacher};
 
+use super::door::{DoorArgs, Errand, door};
 use super::failures::end;
 use super::fleet_report::FleetReport;
 use super::locate::{dataset_path, no_dataset, run_folder};
@@ -28,6 +29,7 @@ Examples:
   ted train drawer-open-v3 --preset true --seed 2            true rewards, another seed
   ted train --preset list                                    every preset, what it is for and where it comes from
   ted train drawer-open-v3 --set algorithm.steps=40000 --set reward.queries=20
+  ted train drawer-open-v3 --ask                             you answer, on a web page, and then it trains
   ted train data/ted/mine-v0 --preferences answers.jsonl     with answers given before
   ted train drawer-open-v3,box-close-v3 --preset oprl-i,oprl-i+ted --seeds 0..6      a fleet of 24 runs
   ted train drawer-open-v3 --seeds 0..6 --device cuda        six runs as one batch on a GPU
@@ -81,6 +83,11 @@ pub(super) struct TrainArgs {
     /// Answer from this preference log instead of asking the simulated teacher, who knows the true returns
     #[arg(long, value_name = "FILE")]
     preferences: Option<PathBuf>,
+    /// Answer the questions yourself before anything is trained, on a web page or with --text in the terminal
+    #[arg(long, conflicts_with = "preferences")]
+    ask: bool,
+    #[command(flatten)]
+    door: DoorArgs,
     /// Simulator processes for the evaluation of a single run; all cores if not given
     #[arg(long)]
     workers: Option<NonZeroUsize>,
@@ -97,8 +104,11 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         return args.output.print(&all, || presets::text(&all));
     }
     let datasets = Datasets::default();
-    let lanes = plan(args, &datasets)?;
+    let mut lanes = plan(args, &datasets)?;
     let audience = args.output.audience();
+    if let ([lane], true) = (lanes.as_mut_slice(), args.ask) {
+        lane.answers = Some(door(lane, &datasets, &args.door, Errand::Train, audience)?);
+    }
     if let [lane] = lanes.as_slice() {
         let simulators = args.workers.unwrap_or(Crew::of(1, None).threads);
         let watch = Watch::Alone(audience);
@@ -157,6 +167,7 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             "train on what? name a dataset's folder, its Minari id, or a task that `ted collect` has collected",
         ));
     }
+    args.door.check(args.ask)?;
     if args.preferences.is_some() && names.len() > 1 {
         return Err(Failure::new(
             ExitCode::Usage,
@@ -171,34 +182,45 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
     }
     let trained: Vec<_> = configs.iter().map(|config| config.preset).collect();
     overrides.meant_for(&trained).map_err(end)?;
+    let answered = args.preferences.is_some() || args.ask;
+    let given = match args.ask {
+        true => "what --ask asks for",
+        false => "--preferences",
+    };
     let deaf = configs.iter().find(|config| !config.asks());
-    if let (Some(_), Some(config)) = (&args.preferences, deaf) {
+    if let (true, Some(config)) = (answered, deaf) {
         return Err(Failure::new(
             ExitCode::Usage,
             format_args!(
-                "--preferences are answers, and the preset {} asks nothing: leave them out, or choose one of steer, oprl*, pt* or oppo",
+                "{given} are answers, and the preset {} asks nothing: leave them out, or choose one of steer, oprl*, pt* or oppo",
                 config.preset.name()
             ),
         ));
     }
     let taught = configs.iter().find(|config| !config.teacher.is_default());
-    if let (Some(_), Some(config)) = (&args.preferences, taught) {
+    if let (true, Some(config)) = (answered, taught) {
         return Err(Failure::new(
             ExitCode::Usage,
             format_args!(
-                "--preferences are answers, and so are those of {}: leave out either the file or the settings of the teacher",
+                "{given} are answers, and so are those of {}: leave out either those or the settings of the teacher",
                 config.teacher.name()
             ),
         ));
     }
     let alone = names.len() * configs.len() == 1;
+    if args.ask && !alone {
+        return Err(Failure::new(
+            ExitCode::Usage,
+            "--ask asks a person about one run: name one dataset, one preset and one seed",
+        ));
+    }
     let mut tasks = Vec::new();
     for name in names {
         let path = dataset_path(name);
         let dataset = datasets.open(&path).map_err(|it| no_dataset(name, it))?;
         for config in &configs {
             check(&dataset, config).map_err(end)?;
-            if args.preferences.is_none() {
+            if !answered {
                 check_teacher(&dataset, config).map_err(end)?;
             }
         }

@@ -15,10 +15,10 @@ use super::{Datasets, LaneError};
 use crate::config::Config;
 use crate::dataset::Dataset;
 use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate_once};
-use crate::preferences::{PreferenceLog, ReplayTeacher, Teacher};
+use crate::preferences::{PreferenceLog, ReplayTeacher, Teacher, Use, findings, in_words};
 use crate::reward::RewardLearner;
 use crate::reward::episodes::Confidence;
-use crate::run::{DatasetReference, PREFERENCES, RunFolder};
+use crate::run::{ANSWERS, DatasetReference, PREFERENCES, RunError, RunFolder};
 use crate::train::{Finished, LearnedPolicy, Prepared, Watch, check, check_teacher};
 
 /// A run that is to be made, or gone on with.
@@ -45,6 +45,15 @@ pub struct Trained {
     pub confidence: Option<Confidence>,
     /// How it flew, if it was to fly and its task can be simulated.
     pub evaluation: Option<Evaluation>,
+}
+
+/// What became of the lines of a file of answers: what `answers.json` says.
+#[derive(Clone, Debug, Serialize)]
+struct Answered<'a> {
+    /// The file.
+    file: &'a Path,
+    /// Its lines.
+    lines: Vec<Use>,
 }
 
 /// A run at work, which holds its dataset and its folder.
@@ -113,6 +122,9 @@ impl Lane {
         let folder = RunFolder::begin(&self.folder, &self.config, &reference)?;
         if let Some((log, answers)) = &answers {
             same_answers(answers, log, &folder, &dataset)?;
+            for finding in findings(answers.lines()) {
+                watch.note(&format!("{}: {}", log.display(), finding.says));
+            }
         }
         Ok(Begun {
             lane: self,
@@ -133,7 +145,21 @@ impl Begun<'_> {
         let (dataset, config) = (&*self.dataset, &self.lane.config);
         let teacher = teacher.as_mut();
         let prepared = Prepared::new(dataset, config, &self.folder, teacher, audience)?;
+        self.account(audience)?;
         Ok(prepared)
+    }
+
+    /// Says what the answers that it was given were used for, all questions being asked.
+    fn account(&self, audience: Audience) -> Result<(), LaneError> {
+        let (Some(file), Some(answers)) = (&self.lane.answers, &self.answers) else {
+            return Ok(());
+        };
+        let asked = PreferenceLog::read(self.folder.file(PREFERENCES), &self.dataset)?;
+        let lines = answers.account(&asked);
+        audience.note(&format!("{}: {}", file.display(), in_words(&lines)));
+        let answered = Answered { file, lines };
+        (self.folder.write_json(ANSWERS, &answered)).map_err(RunError::from)?;
+        Ok(())
     }
 
     /// Everything after it: the artefact, and its flight if there is to be one and was none yet, with at most so many
@@ -192,7 +218,8 @@ fn same_answers(
     dataset: &Dataset,
 ) -> Result<(), LaneError> {
     let held = folder.file(PREFERENCES);
-    if !held.exists() {
+    // Its own log is what it was told, also where two people were asked about the same clips.
+    if !held.exists() || held.canonicalize().ok() == log.canonicalize().ok() {
         return Ok(());
     }
     let held = PreferenceLog::read(&held, dataset)?;

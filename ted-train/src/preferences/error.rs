@@ -1,7 +1,6 @@
 //! Everything that can go wrong with preferences, each as what, where, and the way out.
 
-use super::Query;
-use crate::dataset::SegmentError;
+use super::{Misfit, Query, Span};
 use firmware_sim::exit::ExitCode;
 use std::io;
 use std::path::PathBuf;
@@ -47,47 +46,42 @@ pub enum PreferenceError {
         /// What is wrong with it.
         reason: String,
     },
-    /// An answer that is none.
+    /// A line that says nothing about the dataset at hand.
     #[error(
-        "line {line} of {path} has the answer {answer}, which is not 0 (first better), 1 (second better), 0.5 (equal) or null (whoever was asked could not tell); correct or delete the line"
+        "line {line} of {path} does not fit: {misfit}; use the dataset that was asked about, or correct or delete the line: `ted answers` \
+         with --for shows which lines fit"
     )]
-    Answer {
-        /// The file.
-        path: PathBuf,
-        /// The line, counted from 1.
-        line: usize,
-        /// What stands there.
-        answer: f64,
-    },
-    /// A preference about other data.
-    #[error(
-        "line {line} of {path} is about {logged}, and this is {actual}; use the dataset the questions were asked about, or \
-         another preference file"
-    )]
-    OtherDataset {
-        /// The file.
-        path: PathBuf,
-        /// The line, counted from 1.
-        line: usize,
-        /// Id and digest of the dataset in the line.
-        logged: String,
-        /// Id and digest of the dataset at hand.
-        actual: String,
-    },
-    /// A preference about steps that the dataset does not have.
-    #[error("line {line} of {path}: {source}; correct or delete the line")]
-    Segment {
+    Misfit {
         /// The file.
         path: PathBuf,
         /// The line, counted from 1.
         line: usize,
         /// What does not fit.
-        source: SegmentError,
+        misfit: Misfit,
+    },
+    /// A file that is no text.
+    #[error(
+        "{path} is not read: {reason}; save it as UTF-8 and try again, nothing of it was changed"
+    )]
+    NoText {
+        /// The file.
+        path: PathBuf,
+        /// What it is instead.
+        reason: String,
+    },
+    /// A log that no answer can be added to.
+    #[error(
+        "{path} is UTF-16, and answers are added in UTF-8: `ted answers {path} --merge FILE` writes all of it as UTF-8; put that in its \
+         place"
+    )]
+    Utf16 {
+        /// The log.
+        path: PathBuf,
     },
     /// Another question than the one in the log at this place.
     #[error(
         "question {number} is not the one in the log: asked about {asked}, logged {logged}; either the log belongs to another seed \
-         or configuration, or an answer before it was changed: then put the question asked now into line {number} and answer it"
+         or configuration, or an answer before it was changed: delete the run's folder, and hand the answers over with --preferences"
     )]
     OtherQuestion {
         /// Its number, counted from 1.
@@ -97,17 +91,18 @@ pub enum PreferenceError {
         /// What was asked then.
         logged: String,
     },
-    /// A replay that has come to its end.
+    /// A question that a file of answers says nothing about.
     #[error(
-        "the replayed log has {answers} answers and question {number} was asked; ask fewer, or add this line to it, with the answer 0 \
-         (the first is better), 1 (the second is better) or 0.5 (they are equal) in place of null, which says that you cannot \
-         tell: {line}"
+        "{path} does not answer question {number} ({account}): add this line to it, with the answer 0 (the first is better), 1 (the second \
+         is better) or 0.5 (they are equal) in place of null, which says that you cannot tell: {line}"
     )]
-    ReplayExhausted {
-        /// How many answers it has.
-        answers: usize,
+    NotAnswered {
+        /// The file.
+        path: PathBuf,
         /// The question, counted from 1.
         number: usize,
+        /// What its lines were used for so far, in words.
+        account: String,
         /// The question as a line of a log.
         line: String,
     },
@@ -123,6 +118,9 @@ pub enum PreferenceError {
         /// The reward of every step.
         reward: f32,
     },
+    /// Whoever was asked does not answer now.
+    #[error("a question was left open: every answer is kept and the same command goes on")]
+    LeftOpen,
     /// Questions enough that nobody could answer.
     #[error(
         "{untold} of {asked} questions got no answer, because whoever was asked could not tell, and there are no other pairs to ask \
@@ -145,6 +143,7 @@ impl PreferenceError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Write { .. } | Self::DiskFull { .. } => ExitCode::Storage,
+            Self::LeftOpen => ExitCode::Interrupted,
             _ => ExitCode::BadInput,
         }
     }
@@ -152,13 +151,6 @@ impl PreferenceError {
 
 /// A query as it stands in an error.
 pub(super) fn describe(query: &Query) -> String {
-    let [first, second] = query.segments.map(|segment| {
-        format!(
-            "episode {} steps {}..{}",
-            segment.episode(),
-            segment.start(),
-            segment.start() + segment.len()
-        )
-    });
+    let [first, second] = query.segments.map(Span::from);
     format!("{first} or {second}")
 }

@@ -1,9 +1,10 @@
 //! The append-only file of questions and answers: on the disk before the answer is used, and never asked twice.
 
-use super::entry::{Line, LogEntry};
 use super::error::describe;
-use super::{Answer, PreferenceError, Question, Teacher, Untold};
+use super::text::{MARK, is_utf16};
+use super::{Answer, Line, LogEntry, PreferenceError, Question, Teacher, Untold};
 use crate::dataset::Dataset;
+use serde::de::IgnoredAny;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -110,14 +111,11 @@ impl PreferenceLog {
                 });
             }
             self.asked = number;
-            return Ok(logged.answer);
+            return Ok(logged.said.answer);
         }
-        let answer = teacher.answer(dataset, number, &question)?;
-        let entry = LogEntry {
-            question,
-            answer,
-            by: teacher.name().into(),
-        };
+        let said = teacher.answer(dataset, &self.entries, &question)?;
+        let answer = said.answer;
+        let entry = LogEntry { question, said };
         self.append(&format!("{}\n", Line::new(dataset, &entry).text()))?;
         self.entries.push(entry);
         self.asked = number;
@@ -172,11 +170,12 @@ impl PreferenceLog {
 
     /// Deals with text after the last line end: a whole preference lost only its line end and is kept, anything else goes.
     fn recover(&mut self, rest: &[u8], dataset: &Dataset) -> Result<(), PreferenceError> {
-        let whole = [rest, b"\n"].concat();
-        if serde_json::from_slice::<Line>(rest).is_ok() {
+        // What is torn is no whole value; a whole one that is wrong is for whoever wrote it to correct.
+        if serde_json::from_slice::<IgnoredAny>(unmarked(rest)).is_ok() {
             let line = self.entries.len() + 1;
             self.entries
-                .push(parse_line(&self.path, line, &whole[..rest.len()], dataset)?);
+                .push(parse_line(&self.path, line, rest, dataset)?);
+            let whole = [rest, b"\n"].concat();
             return self.append(&String::from_utf8_lossy(&whole));
         }
         self.file
@@ -229,26 +228,32 @@ impl PreferenceLog {
     }
 }
 
-/// The entries of all whole lines, and how many bytes these have.
+/// The entries of all whole lines, and how many bytes these have. Lines without anything on them say nothing.
 fn parse(
     path: &Path,
     bytes: &[u8],
     dataset: &Dataset,
 ) -> Result<(Vec<LogEntry>, usize), PreferenceError> {
+    if is_utf16(bytes) {
+        let path = path.to_path_buf();
+        return Err(PreferenceError::Utf16 { path });
+    }
     let whole = bytes
         .iter()
         .rposition(|&byte| byte == b'\n')
         .map_or(0, |at| at + 1);
-    let entries = bytes[..whole]
-        .split_inclusive(|&byte| byte == b'\n')
-        .enumerate()
-        .map(|(index, line)| parse_line(path, index + 1, line, dataset))
+    let lines = bytes[..whole].split_inclusive(|&byte| byte == b'\n');
+    let entries = (1..)
+        .zip(lines)
+        .filter(|(_, line)| !line.trim_ascii().is_empty())
+        .map(|(number, line)| parse_line(path, number, line, dataset))
         .collect::<Result<_, _>>()?;
     Ok((entries, whole))
 }
 
-fn identity(id: &str, digest: &str) -> String {
-    format!("the dataset {id} with digest {digest}")
+/// A line without the mark that an editor puts before the first one.
+fn unmarked(line: &[u8]) -> &[u8] {
+    line.strip_prefix(MARK).unwrap_or(line)
 }
 
 fn parse_line(
@@ -258,35 +263,17 @@ fn parse_line(
     dataset: &Dataset,
 ) -> Result<LogEntry, PreferenceError> {
     let path = || path.to_path_buf();
-    let parsed: Line = serde_json::from_slice(text).map_err(|error| PreferenceError::Line {
-        path: path(),
-        line,
-        reason: error.to_string(),
-    })?;
-    if parsed.digest != dataset.digest() {
-        return Err(PreferenceError::OtherDataset {
+    let parsed: Line =
+        serde_json::from_slice(unmarked(text)).map_err(|error| PreferenceError::Line {
             path: path(),
             line,
-            logged: identity(&parsed.dataset, &parsed.digest),
-            actual: identity(dataset.id(), dataset.digest()),
-        });
-    }
-    let answer = parsed.answer().map_err(|answer| PreferenceError::Answer {
-        path: path(),
-        line,
-        answer,
-    })?;
-    let (question, by) = parsed
-        .question(dataset)
-        .map_err(|source| PreferenceError::Segment {
-            path: path(),
-            line,
-            source,
+            reason: error.to_string(),
         })?;
-    Ok(LogEntry {
-        question,
-        answer,
-        by,
+    let entry = parsed.entry(dataset);
+    entry.map_err(|misfit| PreferenceError::Misfit {
+        path: path(),
+        line,
+        misfit,
     })
 }
 

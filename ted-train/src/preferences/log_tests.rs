@@ -4,7 +4,7 @@ use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::dataset::{Clip, Segment, SegmentSampler};
 use crate::preferences::{
-    Context, Query, Recovered, ReplayTeacher, Says, ScriptedTeacher, TeacherConfig,
+    Context, Query, Recovered, ReplayTeacher, Said, Says, ScriptedTeacher, TeacherConfig,
 };
 use crate::rng::Seed;
 use std::fs;
@@ -60,19 +60,16 @@ fn complete(dataset: &Dataset) -> (TempDir, PathBuf, Vec<Option<Answer>>) {
 struct Nobody;
 
 impl Teacher for Nobody {
-    fn name(&self) -> &str {
-        "nobody"
-    }
-
     fn answer(
         &mut self,
         _: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         _: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
-        Err(PreferenceError::ReplayExhausted {
-            answers: 0,
-            number,
+    ) -> Result<Said, PreferenceError> {
+        Err(PreferenceError::NotAnswered {
+            path: PathBuf::new(),
+            number: asked.len() + 1,
+            account: String::new(),
             line: String::new(),
         })
     }
@@ -154,17 +151,27 @@ fn a_log_replayed_into_a_new_run_gives_the_same_log() {
     let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
     assert_eq!(interview(&copy, &dataset, &mut replay, 10), answers);
     assert_eq!(fs::read(copy).unwrap(), fs::read(&path).unwrap());
+    // A question that is asked once more is answered as it was; one that it says nothing about is named.
+    let held = PreferenceLog::read(&path, &dataset).unwrap();
     let question = &questions(&dataset)[8];
-    let error = replay.answer(&dataset, 11, question).unwrap_err();
+    let again = replay.answer(&dataset, &held, question).unwrap();
+    assert_eq!(again, held[8].said);
+    let logged = fs::read_to_string(&path).unwrap();
+    let lines: Vec<&str> = logged.lines().collect();
+    let nine = [&lines[..8], &lines[9..]].concat().join("\n");
+    let short = folder.path().join("nine.jsonl");
+    fs::write(&short, nine).unwrap();
+    let mut replay = ReplayTeacher::open(&short, &dataset).unwrap();
+    let error = replay.answer(&dataset, &held[..8], question).unwrap_err();
     let error = error.to_string();
-    assert!(
-        error.starts_with("the replayed log has 10 answers and question 11 was asked"),
-        "{error}"
+    let start = format!(
+        "{} does not answer question 9 (8 of 9 lines are used; not line 9: the run does not ask about its two clips): ",
+        short.display()
     );
+    assert!(error.starts_with(&start), "{error}");
     // The line that it wants, as it stands in a log but for the answer and who gave it.
     let (_, line) = error.split_once("tell: ").unwrap();
-    let logged = fs::read_to_string(path).unwrap();
-    let logged = logged.lines().nth(8).unwrap();
+    let logged = lines[8];
     let asked = |line: &str| line.split_once("\"answer\":").unwrap().0.to_owned();
     assert_eq!(asked(line), asked(logged));
     assert!(line.ends_with("\"answer\":null,\"by\":\"me\"}"), "{line}");
@@ -193,14 +200,6 @@ fn another_question_than_the_logged_one_is_named() {
         member: Some(5),
     };
     assert!(log.ask(&dataset, &mut Nobody, asked(context, 0)).is_err());
-    // A replay may begin later, for a run that goes on, and answers a question in its own place only.
-    let mut replay = ReplayTeacher::open(&path, &dataset).unwrap();
-    replay.answer(&dataset, 2, &questions[1]).unwrap();
-    let error = replay.answer(&dataset, 3, &questions[0]).unwrap_err();
-    assert!(
-        matches!(error, PreferenceError::OtherQuestion { number: 3, .. }),
-        "{error}"
-    );
 }
 
 #[test]
@@ -278,7 +277,6 @@ fn a_broken_line_in_the_middle_is_an_error_with_its_number() {
     assert!(
         refuse(|line| line.replace("\"round\"", "\"rounds\"")).contains("unknown field `rounds`")
     );
-    assert!(refuse(|_| String::new()).contains("is not a preference"));
     assert!(
         refuse(|line| line.replace("\"length\":5", "\"length\":500")).contains("run past its end")
     );
@@ -288,16 +286,14 @@ fn a_broken_line_in_the_middle_is_an_error_with_its_number() {
         format!("{before}\"answer\":{answer},{after}")
     };
     assert!(
-        refuse(|line| line.replace("\"answer\":", "\"answer\":2,\"x\":")).contains("unknown field")
+        refuse(|line| line.replace("\"answer\":", "\"answer\":1,\"x\":")).contains("unknown field")
     );
     for wrong in ["2", "-1", "0.25", "0.50001"] {
         edit_line(&path, 4, |line| answer(line, wrong));
         let text = refusal(&path, &dataset);
         assert!(
-            text.contains(&format!(
-                "line 4 of {} has the answer {wrong}",
-                path.display()
-            )),
+            text.starts_with("line 4 of ")
+                && text.contains(&format!("the answer {wrong} is not 0 (first better)")),
             "{text}"
         );
     }
@@ -400,4 +396,36 @@ fn the_digest_covers_the_whole_lines() {
         digest,
         blake3::hash(&fs::read(&path).unwrap()).to_hex().as_str()
     );
+}
+
+#[test]
+fn what_an_editor_leaves_of_a_log_is_gone_on_with_or_refused_with_a_way_out() {
+    let dataset = dataset();
+    let (_folder, path, answers) = complete(&dataset);
+    let text = fs::read_to_string(&path).unwrap();
+    let six: usize = text.split_inclusive('\n').take(6).map(str::len).sum();
+    // A mark, other ends of lines, an empty line and no end of the last one.
+    let edited = format!(
+        "\u{feff}{}",
+        text[..six].trim_end().replacen('\n', "\r\n\r\n", 2)
+    );
+    fs::write(&path, &edited).unwrap();
+    let teacher = &mut ScriptedTeacher::truthful();
+    assert_eq!(interview(&path, &dataset, teacher, 10), answers);
+    let whole = fs::read_to_string(&path).unwrap();
+    assert_eq!(whole, format!("{edited}\n{}", &text[six..]));
+    // A whole last line that is wrong is no torn one: it is somebody's word.
+    let wrong = text.trim_end().replace("\"by\"", "\"sby\"");
+    fs::write(&path, &wrong).unwrap();
+    assert!(refusal(&path, &dataset).contains("unknown field `sby`"));
+    let last = text.trim_end().rsplit_once('\n').unwrap().1;
+    fs::write(&path, last.replace("\"by\"", "\"sby\"")).unwrap();
+    assert!(refusal(&path, &dataset).starts_with("line 1 of "));
+    let wide: Vec<u8> = format!("\u{feff}{text}")
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    fs::write(&path, &wide).unwrap();
+    assert!(refusal(&path, &dataset).contains("--merge FILE` writes all of it as UTF-8"));
+    assert_eq!(fs::read(&path).unwrap(), wide);
 }

@@ -10,6 +10,14 @@ pub struct Query {
     pub segments: [Segment; 2],
 }
 
+impl Query {
+    /// Whether it is about these two segments, whichever of them is shown first.
+    #[must_use]
+    pub fn is_about(&self, [first, second]: [Segment; 2]) -> bool {
+        self.segments == [first, second] || self.segments == [second, first]
+    }
+}
+
 /// A query as a run asks it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {

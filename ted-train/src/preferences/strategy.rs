@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use crate::dataset::fixtures::{SHAPE, records};
     use crate::dataset::{Clip, Dataset};
-    use crate::preferences::{Context, LogEntry, Query, Question};
+    use crate::preferences::{Context, LogEntry, Query, Question, Said};
     use crate::rng::Seed;
 
     fn sampler(lengths: &[usize]) -> SegmentSampler {
@@ -92,8 +92,12 @@ mod tests {
                     query: Query { segments },
                     why: None,
                 },
-                answer: None,
-                by: String::new(),
+                said: Said {
+                    answer: None,
+                    later: false,
+                    by: String::new(),
+                    at: None,
+                },
             });
         }
         let mut pairs: Vec<_> = asked

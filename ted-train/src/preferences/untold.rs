@@ -1,4 +1,5 @@
-//! The pairs of segments that nobody could tell apart, which are not asked about again.
+//! The pairs of segments that nobody could tell apart, which are not asked about again, and those that were put off, which are not
+//! asked about again before another answer is in.
 
 use super::LogEntry;
 use crate::dataset::Segment;
@@ -14,21 +15,20 @@ impl<'a> Untold<'a> {
         Self(asked)
     }
 
-    /// Whether a pair is one of them, whichever of the two is shown first.
+    /// Whether a pair is not to be asked about now, whichever of the two is shown first.
     #[must_use]
-    pub fn contains(self, [first, second]: [Segment; 2]) -> bool {
-        let mut pairs = self.pairs();
-        pairs.any(|pair| pair == [first, second] || pair == [second, first])
+    pub fn contains(self, pair: [Segment; 2]) -> bool {
+        let answered = self.0.iter().rposition(|it| it.said.answer.is_some());
+        let mut closed = (self.0.iter().enumerate())
+            .filter(|(place, it)| !it.said.later || answered.is_none_or(|last| *place > last))
+            .filter(|(_, it)| it.said.answer.is_none());
+        closed.any(|(_, it)| it.question.query.is_about(pair))
     }
 
-    /// How many there are.
+    /// How many questions got no answer.
     #[must_use]
     pub fn count(self) -> usize {
-        self.pairs().count()
-    }
-
-    fn pairs(self) -> impl Iterator<Item = [Segment; 2]> + use<'a> {
-        let entries = self.0.iter().filter(|entry| entry.answer.is_none());
-        entries.map(|entry| entry.question.query.segments)
+        let untold = self.0.iter().filter(|it| it.said.answer.is_none());
+        untold.count()
     }
 }

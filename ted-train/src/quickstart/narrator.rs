@@ -3,7 +3,7 @@
 use firmware_sim::progress::Audience;
 
 use crate::dataset::Dataset;
-use crate::preferences::{Answer, PreferenceError, Query, Question, Teacher};
+use crate::preferences::{Answer, LogEntry, PreferenceError, Query, Question, Said, Teacher};
 
 /// Passes questions on to another teacher, and tells a person of each.
 pub(super) struct Narrator<T> {
@@ -28,26 +28,23 @@ impl<T: Teacher> Narrator<T> {
 }
 
 impl<T: Teacher> Teacher for Narrator<T> {
-    fn name(&self) -> &str {
-        self.teacher.name()
-    }
-
     fn answer(
         &mut self,
         dataset: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
-        let answer = self.teacher.answer(dataset, number, question)?;
+    ) -> Result<Said, PreferenceError> {
+        let said = self.teacher.answer(dataset, asked, question)?;
         self.asked += 1;
-        let line = sentence(dataset, &question.query, answer);
+        let number = asked.len() + 1;
+        let line = sentence(dataset, &question.query, said.answer);
         self.audience
             .note(&format!("  question {number:>2}: {line}"));
         if let Some(why) = &question.why {
             self.audience
                 .note(&format!("               asked because {why}"));
         }
-        Ok(answer)
+        Ok(said)
     }
 }
 
@@ -94,8 +91,9 @@ mod tests {
             why: None,
         };
         let mut narrator = Narrator::new(ScriptedTeacher::truthful(), Audience::Nobody);
-        assert_eq!(narrator.name(), "teacher:true-return");
-        let answer = narrator.answer(&dataset, 1, &question).unwrap();
+        let said = narrator.answer(&dataset, &[], &question).unwrap();
+        assert_eq!(said.by, "teacher:true-return");
+        let answer = said.answer;
         assert_eq!((answer, narrator.asked()), (Some(Answer::Second), 1));
         assert_eq!(
             sentence(&dataset, &query, answer),

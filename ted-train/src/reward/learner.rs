@@ -46,6 +46,19 @@ pub trait RewardLearner {
         save: Save<'_>,
     ) -> Result<Learned, LearnError>;
 
+    /// What it asks, as something that can be done again and again with another log: a person may take answers back. What does
+    /// not depend on answers is computed here, once.
+    ///
+    /// # Errors
+    /// When [`Self::check`] does, or what is computed beforehand cannot be.
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Questions<'a>, LearnError> {
+        Ok(Box::new(move |interview| {
+            let answers = self.ask(on, interview)?;
+            self.learn(&answers, on, interview, &mut |_| Ok(()))?;
+            Ok(())
+        }))
+    }
+
     /// Goes on from what was last saved while it learned from the same answers, to the bits of a training that was never
     /// stopped. Who saves nothing begins again.
     ///
@@ -86,6 +99,9 @@ pub struct Material<'a> {
     /// Who is told how far it has come.
     pub audience: Audience,
 }
+
+/// Asks everything that a learner asks.
+pub type Questions<'a> = Box<dyn Fn(&mut Interview<'_>) -> Result<(), LearnError> + 'a>;
 
 /// Keeps what a learner has come to.
 pub type Save<'a> = &'a mut dyn FnMut(&Saved) -> Result<(), WriteError>;

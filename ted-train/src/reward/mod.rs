@@ -34,7 +34,7 @@ pub use exported::ExportedEnsemble;
 pub use fit::{Fit, HeldOut};
 pub use inputs::{InputMap, RewardInputs};
 pub use labels::{Labels, ensemble_labels};
-pub use learner::{Learned, Material, RewardLearner, Save, Saved};
+pub use learner::{Learned, Material, Questions, RewardLearner, Save, Saved};
 pub use model::RewardModel;
 pub use random_queries::RandomQueries;
 pub use scaling::InputScaling;

@@ -18,6 +18,9 @@ use super::sealed::{self, SealedError};
 /// Every question asked, and its answer.
 pub const PREFERENCES: &str = "preferences.jsonl";
 
+/// What became of every line of a file of answers.
+pub const ANSWERS: &str = "answers.json";
+
 /// Which dataset the run is trained on.
 pub const DATASET: &str = "dataset.json";
 

@@ -4,6 +4,8 @@
 //! config.toml          the resolved configuration
 //! dataset.json         which dataset: id, digest, path
 //! preferences.jsonl    every query asked and its answer
+//! preferences.aside.jsonl  what a person said after an answer that they took back, in case the same is asked again
+//! answers.json         what became of every line of a file of answers, where one was given
 //! reward.state         the learned reward: an ensemble, or the labels of a transformer
 //! reward.training      a transformer on its way there
 //! answers.state        which answers a policy without a reward is learned from
@@ -26,7 +28,7 @@ mod sealed;
 pub use clock::{Clock, Phase, Spent};
 pub use events::EventWriter;
 pub use folder::{
-    DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder,
+    ANSWERS, DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder,
 };
 pub use metrics::MetricsLog;
 pub use saver::Saver;

@@ -8,6 +8,9 @@ use super::TrainError;
 use super::model::Facts;
 use super::work::Work;
 
+/// Holds the digest of the answers that the checkpoints are of.
+pub(super) const STATE: &str = "answers.state";
+
 /// Asks what the log of the run does not answer yet.
 pub(super) fn of_a_policy(
     questions: RandomQueries,
@@ -28,8 +31,6 @@ pub(super) fn of_a_policy(
 
 /// Refuses to go on with a policy that was learned from other answers than those of this digest.
 fn same_answers(folder: &RunFolder, digest: &str) -> Result<(), TrainError> {
-    /// Holds the digest of the answers that the checkpoints are of.
-    const STATE: &str = "answers.state";
     let held = match folder.file(STATE).exists() {
         true => Some(folder.read_state::<String>(STATE).map_err(RunError::from)?),
         false => None,

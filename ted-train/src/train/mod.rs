@@ -6,6 +6,7 @@ mod journal;
 mod model;
 mod offline;
 mod prepared;
+mod questions;
 mod rewards;
 mod watch;
 mod work;
@@ -13,6 +14,7 @@ mod work;
 pub use finished::{Finished, FinishedRun, newest_step, sequence_policy};
 pub use offline::{LearnedPolicy, NetworkPolicy, learn};
 pub use prepared::Prepared;
+pub use questions::{has_learned, questions};
 pub use rewards::RewardReport;
 pub use watch::Watch;
 

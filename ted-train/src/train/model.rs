@@ -13,7 +13,7 @@ use super::TrainError;
 use super::work::Work;
 
 /// The file of the learned model.
-const STATE: &str = "reward.state";
+pub(super) const STATE: &str = "reward.state";
 
 /// The file of a training that takes long enough to be gone on with.
 const TRAINING: &str = "reward.training";

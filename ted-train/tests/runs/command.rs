@@ -2,7 +2,7 @@
 
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use tempfile::TempDir;
@@ -111,7 +111,15 @@ pub fn ted() -> Command {
 
 /// Runs a command to its end.
 pub fn finish(command: &mut Command) -> Ended {
-    let output = command.output().unwrap();
+    heard(command.output().unwrap())
+}
+
+/// Waits for the end of a command whose output is caught.
+pub fn ended(child: Child) -> Ended {
+    heard(child.wait_with_output().unwrap())
+}
+
+fn heard(output: Output) -> Ended {
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     Ended {
         code: output.status.code(),

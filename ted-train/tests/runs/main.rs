@@ -1,5 +1,7 @@
 //! Runs of the `ted` command as a person has them: killed, stopped, repeated, on full disks and with bad files.
 
+mod answers;
+mod ask;
 mod bad_datasets;
 mod bad_settings;
 mod batch;

@@ -61,14 +61,14 @@ fn an_answer_that_is_none_of_the_three_is_refused_with_its_line() {
     let mut train = desk.train("second", "oprl-i+ted", &[]);
     finish(train.args(["--preferences", "answers.jsonl"]))
         .with(3)
-        .telling("line 3 of answers.jsonl has the answer 0.7");
+        .telling("line 3 of answers.jsonl is not a preference: the answer 0.7 is not 0");
     // The same in the folder of the run itself: refused, and the file kept for whoever repairs it.
     fs::create_dir(desk.run("third")).unwrap();
     let kept = desk.run("third").join("preferences.jsonl");
     fs::write(&kept, &wrong).unwrap();
     finish(&mut desk.train("third", "oprl-i+ted", &[]))
         .with(3)
-        .telling("has the answer 0.7");
+        .telling("the answer 0.7 is not 0");
     assert_eq!(fs::read_to_string(kept).unwrap(), wrong);
 }
 
@@ -96,7 +96,7 @@ fn too_few_answers_are_counted() {
     let mut train = desk.train("second", "oprl-i+ted", &[]);
     finish(train.args(["--preferences", "answers.jsonl"]))
         .with(3)
-        .telling("has 9 answers and question 10 was asked");
+        .telling("answers.jsonl does not answer question 10 (9 of 9 lines are used)");
 }
 
 #[test]

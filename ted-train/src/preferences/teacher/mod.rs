@@ -9,19 +9,19 @@ pub use config::{Says, TeacherConfig};
 pub use replay::ReplayTeacher;
 pub use scripted::ScriptedTeacher;
 
-use super::{Answer, PreferenceError, Question};
+use super::{LogEntry, PreferenceError, Question, Said};
 use crate::dataset::Dataset;
 
 /// Someone or something that answers questions.
 pub trait Teacher {
-    /// Who was asked last, as the log will say, such as `teacher:true-return`.
-    fn name(&self) -> &str;
-
-    /// The answer to the question of this number in the run, counted from 1; none if they cannot tell.
+    /// What is said to a question that comes after those that the run has asked already.
+    ///
+    /// # Errors
+    /// When nothing can be said, not even that they cannot tell.
     fn answer(
         &mut self,
         dataset: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError>;
+    ) -> Result<Said, PreferenceError>;
 }

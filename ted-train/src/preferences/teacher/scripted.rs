@@ -4,7 +4,7 @@ use rand::RngExt;
 
 use super::{Says, Teacher, TeacherConfig};
 use crate::dataset::Dataset;
-use crate::preferences::{Answer, PreferenceError, Query, Question};
+use crate::preferences::{Answer, LogEntry, PreferenceError, Query, Question, Said};
 use crate::rng::Seed;
 
 /// Answers as its configuration says. Whatever is random about an answer is a function of the seed, the question and its number:
@@ -48,6 +48,34 @@ impl ScriptedTeacher {
         }
     }
 
+    /// What it says to the question of this number, counted from 1; none when it cannot tell.
+    fn say(&self, dataset: &Dataset, number: usize, query: &Query) -> Option<Answer> {
+        let [first, second] = query
+            .segments
+            .map(|it| format!("{}/{}/{}", it.episode(), it.start(), it.len()));
+        let stream = self.seed.child(&format!("{number}/{first}/{second}"));
+        let mut rng = stream.rng();
+        // Always the same draws, so that a teacher who errs more often errs where the other one does too.
+        let [told, slipped]: [f64; 2] = [rng.random(), rng.random()];
+        let coin = if rng.random() {
+            Answer::First
+        } else {
+            Answer::Second
+        };
+        if told < self.config.cannot_tell {
+            return None;
+        }
+        let answer = match self.config.says {
+            Says::TrueReturn => self.truth(dataset, query),
+            Says::Reversed => self.truth(dataset, query).turned(),
+            Says::Random => coin,
+            Says::First => Answer::First,
+            Says::Equal => Answer::Equal,
+        };
+        let errs = slipped < self.config.errs;
+        Some(if errs { answer.turned() } else { answer })
+    }
+
     /// The order of the true returns.
     fn truth(&self, dataset: &Dataset, query: &Query) -> Answer {
         let [first, second] = query.segments.map(|segment| segment.return_true(dataset));
@@ -75,41 +103,18 @@ fn spread(dataset: &Dataset) -> f64 {
 }
 
 impl Teacher for ScriptedTeacher {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
     fn answer(
         &mut self,
         dataset: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
-        let query = &question.query;
-        let [first, second] = query
-            .segments
-            .map(|it| format!("{}/{}/{}", it.episode(), it.start(), it.len()));
-        let stream = self.seed.child(&format!("{number}/{first}/{second}"));
-        let mut rng = stream.rng();
-        // Always the same draws, so that a teacher who errs more often errs where the other one does too.
-        let [told, slipped]: [f64; 2] = [rng.random(), rng.random()];
-        let coin = if rng.random() {
-            Answer::First
-        } else {
-            Answer::Second
-        };
-        if told < self.config.cannot_tell {
-            return Ok(None);
-        }
-        let answer = match self.config.says {
-            Says::TrueReturn => self.truth(dataset, query),
-            Says::Reversed => self.truth(dataset, query).turned(),
-            Says::Random => coin,
-            Says::First => Answer::First,
-            Says::Equal => Answer::Equal,
-        };
-        let errs = slipped < self.config.errs;
-        Ok(Some(if errs { answer.turned() } else { answer }))
+    ) -> Result<Said, PreferenceError> {
+        Ok(Said {
+            answer: self.say(dataset, asked.len() + 1, &question.query),
+            later: false,
+            by: self.name.clone(),
+            at: None,
+        })
     }
 }
 

@@ -8,8 +8,8 @@ use crate::nn::ExportedMlp;
 use crate::preferences::{Context, Interview, LabelledPair};
 use crate::ranking::ranking;
 use crate::reward::{
-    ExportedEnsemble, Fit, HeldOut, InputMap, LearnError, Learned, Material, RewardInputs,
-    RewardModel,
+    ExportedEnsemble, Fit, HeldOut, InputMap, LearnError, Learned, Material, Questions,
+    RewardInputs, RewardModel,
 };
 use crate::rng::Seed;
 
@@ -76,10 +76,7 @@ pub(super) fn learn(
     interview: &mut Interview<'_>,
 ) -> Result<Learned, LearnError> {
     let dataset = on.dataset;
-    let look = Look::at(config, on)?;
-    on.audience
-        .note(&words::look(&look.descriptors.reliability));
-    let prior = Prior::new(config, &look.descriptors.reliability);
+    let (look, prior) = look(config, on)?;
     let (evidence, samples) = interrogate(config, &look, &prior, on, interview)?;
 
     let weights: DVector<f64> = samples.row_mean().transpose();
@@ -106,6 +103,29 @@ pub(super) fn learn(
         fits: vec![fit_of(config, &evidence, &weights)],
         held_out,
     })
+}
+
+/// Asks what [`learn`] asks, from one look at the logs.
+///
+/// # Errors
+/// When the look cannot be taken.
+pub(super) fn questions<'a>(
+    config: &'a EpisodesConfig,
+    on: Material<'a>,
+) -> Result<Questions<'a>, LearnError> {
+    let (look, prior) = look(config, on)?;
+    Ok(Box::new(move |interview| {
+        interrogate(config, &look, &prior, on, interview).map(drop)
+    }))
+}
+
+/// Looks at the logs, says what they say, and what is believed because of it.
+fn look<'a>(config: &EpisodesConfig, on: Material<'a>) -> Result<(Look<'a>, Prior), LearnError> {
+    let look = Look::at(config, on)?;
+    let reliability = &look.descriptors.reliability;
+    on.audience.note(&words::look(reliability));
+    let prior = Prior::new(config, reliability);
+    Ok((look, prior))
 }
 
 /// Asks one question after the other, each chosen by what is believed after the answers before it.

@@ -2,10 +2,10 @@
 
 use crate::dataset::{Clip, Dataset, SegmentSampler};
 use crate::preferences::{Interview, LabelledPair};
-use crate::reward::{LearnError, Learned, Material, RewardLearner, Save};
+use crate::reward::{LearnError, Learned, Material, Questions, RewardLearner, Save};
 
 use super::EpisodesConfig;
-use super::learn::learn;
+use super::learn::{learn, questions};
 
 impl RewardLearner for EpisodesConfig {
     fn check(&self, dataset: &Dataset) -> Result<(), LearnError> {
@@ -28,6 +28,12 @@ impl RewardLearner for EpisodesConfig {
     ) -> Result<Vec<LabelledPair>, LearnError> {
         self.check(on.dataset)?;
         Ok(Vec::new())
+    }
+
+    /// The look at the logs is taken once.
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Questions<'a>, LearnError> {
+        self.check(on.dataset)?;
+        questions(self, on)
     }
 
     /// It takes a minute: nothing but the answers is saved.

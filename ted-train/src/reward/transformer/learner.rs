@@ -3,7 +3,8 @@
 use crate::dataset::{Clip, Dataset};
 use crate::preferences::{Interview, LabelledPair};
 use crate::reward::{
-    LearnError, Learned, Material, RandomQueries, RewardLearner, RewardModel, Save, Saved,
+    LearnError, Learned, Material, Questions, RandomQueries, RewardLearner, RewardModel, Save,
+    Saved,
 };
 
 use super::config::PtConfig;
@@ -35,6 +36,11 @@ impl RewardLearner for PtConfig {
         save: Save<'_>,
     ) -> Result<Learned, LearnError> {
         self.go_on(None, answers, on, save)
+    }
+
+    /// All of it is asked before anything is learned.
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Questions<'a>, LearnError> {
+        Ok(Box::new(move |interview| self.ask(on, interview).map(drop)))
     }
 
     fn resume(

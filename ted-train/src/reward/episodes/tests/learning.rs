@@ -7,8 +7,8 @@ use nalgebra::DVector;
 use crate::dataset::{Dataset, EpisodeRecord};
 use crate::nn::Backend;
 use crate::preferences::{
-    Answer, Interview, PreferenceError, PreferenceLog, Question, ReplayTeacher, Says,
-    ScriptedTeacher, Teacher, TeacherConfig, Untold,
+    Answer, Interview, LogEntry, PreferenceError, PreferenceLog, Question, ReplayTeacher, Said,
+    Says, ScriptedTeacher, Teacher, TeacherConfig, Untold,
 };
 use crate::reward::episodes::EpisodesConfig;
 use crate::reward::quality::RewardQuality;
@@ -45,18 +45,19 @@ fn quality(learned: &Learned) -> Vec<f32> {
 struct Odd(fn(Answer) -> Answer);
 
 impl Teacher for Odd {
-    fn name(&self) -> &str {
-        "teacher:odd"
-    }
-
     fn answer(
         &mut self,
         dataset: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
-        let truth = ScriptedTeacher::truthful().answer(dataset, number, question)?;
-        Ok(truth.map(self.0))
+    ) -> Result<Said, PreferenceError> {
+        let truth = ScriptedTeacher::truthful().answer(dataset, asked, question)?;
+        Ok(Said {
+            answer: truth.answer.map(self.0),
+            later: false,
+            by: "teacher:odd".to_owned(),
+            ..truth
+        })
     }
 }
 
@@ -228,7 +229,7 @@ fn a_pair_that_nobody_can_tell_apart_is_asked_about_once_and_costs_no_answer() {
     let learned = of(&straight);
     assert_eq!(learned.model.confidence().unwrap().answers, 10);
     let entries = PreferenceLog::read(&straight, &dataset).unwrap();
-    let told = entries.iter().filter(|entry| entry.answer.is_some());
+    let told = entries.iter().filter(|entry| entry.said.answer.is_some());
     assert_eq!(told.count(), 10);
     assert!(entries.len() > 10, "{}", entries.len());
     for (at, entry) in entries.iter().enumerate() {

@@ -7,8 +7,8 @@ use crate::nn::Backend;
 use crate::nn::fixtures::tensor;
 use crate::nn::{Activation, Linear, Mlp};
 use crate::preferences::{
-    Answer, Context, PreferenceError, QueryStrategy, Question, RandomPair, ReplayTeacher,
-    ScriptedTeacher, Teacher, Untold,
+    Answer, Context, LogEntry, PreferenceError, QueryStrategy, Question, RandomPair, ReplayTeacher,
+    Said, ScriptedTeacher, Teacher, Untold,
 };
 use crate::reward::RewardLearner;
 use crate::reward::oprl::{Ensemble, MostDisputed, OprlConfig};
@@ -128,18 +128,14 @@ struct Counting<T> {
 }
 
 impl<T: Teacher> Teacher for Counting<T> {
-    fn name(&self) -> &str {
-        self.teacher.name()
-    }
-
     fn answer(
         &mut self,
         dataset: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
+    ) -> Result<Said, PreferenceError> {
         self.asked += 1;
-        self.teacher.answer(dataset, number, question)
+        self.teacher.answer(dataset, asked, question)
     }
 }
 
@@ -212,7 +208,7 @@ fn a_shared_answer_is_learned_by_every_member() {
             .segment_returns(&dataset, &entry.question.query.segments);
         for (member, r) in returns.iter().enumerate() {
             let prefers_second = r[1] > r[0];
-            let wanted = entry.answer == Some(Answer::Second);
+            let wanted = entry.said.answer == Some(Answer::Second);
             assert_eq!(prefers_second, wanted, "member {member}, {entry:?}");
         }
     }
@@ -248,17 +244,18 @@ fn the_log_alone_replays_the_run_to_the_bit() {
 struct Contrary;
 
 impl Teacher for Contrary {
-    fn name(&self) -> &str {
-        "contrary"
-    }
-
     fn answer(
         &mut self,
         dataset: &Dataset,
-        number: usize,
+        asked: &[LogEntry],
         question: &Question,
-    ) -> Result<Option<Answer>, PreferenceError> {
-        let truth = ScriptedTeacher::truthful().answer(dataset, number, question)?;
-        Ok(truth.map(Answer::turned))
+    ) -> Result<Said, PreferenceError> {
+        let truth = ScriptedTeacher::truthful().answer(dataset, asked, question)?;
+        Ok(Said {
+            answer: truth.answer.map(Answer::turned),
+            later: false,
+            by: "contrary".to_owned(),
+            ..truth
+        })
     }
 }

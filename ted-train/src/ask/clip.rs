@@ -1,0 +1,120 @@
+//! What somebody is shown of a segment.
+
+use serde::Serialize;
+
+use super::channels::{Channels, Mark};
+use crate::dataset::{Dataset, Segment};
+
+/// Where the pictures of segments come from.
+pub trait ClipSource {
+    /// What is shown of this one.
+    fn picture(&self, segment: Segment) -> Picture;
+}
+
+/// A segment as numbers, which the page draws.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Picture {
+    /// The episode.
+    pub episode: u32,
+    /// Its first step in the episode.
+    pub start: u32,
+    /// Steps from one frame to the next: more than one where there are more steps than anybody can see.
+    pub stride: usize,
+    /// Seconds from one frame to the next.
+    pub period_s: f64,
+    /// Frames.
+    pub frames: usize,
+    /// Places in space, each `[x, y, z]` for every frame.
+    pub places: Vec<Place>,
+    /// Everything else that was observed.
+    pub plots: Vec<Track>,
+    /// What was done, each from -1 to 1.
+    pub actions: Vec<Track>,
+}
+
+/// A place over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// What is there.
+    pub name: &'static str,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Where it is.
+    pub path: Vec<[f32; 3]>,
+}
+
+/// A number over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Track {
+    /// What it is called.
+    pub name: String,
+    /// Its unit; empty where nobody knows.
+    pub unit: &'static str,
+    /// A value for each frame.
+    pub values: Vec<f32>,
+}
+
+/// Draws from the dataset's numbers, which is always possible.
+pub struct Numbers<'a> {
+    dataset: &'a Dataset,
+    channels: Channels,
+}
+
+impl<'a> Numbers<'a> {
+    /// Of this dataset.
+    #[must_use]
+    pub fn of(dataset: &'a Dataset) -> Self {
+        Self {
+            dataset,
+            channels: Channels::of(dataset),
+        }
+    }
+}
+
+impl ClipSource for Numbers<'_> {
+    fn picture(&self, segment: Segment) -> Picture {
+        /// More would take long to send, and show nobody more.
+        const FRAMES: usize = 2000;
+        let (dataset, channels) = (self.dataset, &self.channels);
+        let stride = (segment.len() as usize).div_ceil(FRAMES);
+        let steps: Vec<usize> = segment.steps(dataset).step_by(stride).collect();
+        let observed = |channel: usize| {
+            steps
+                .iter()
+                .map(move |&step| dataset.observation(step)[channel])
+        };
+        let places = channels.positions.iter().map(|position| {
+            let place = |&step: &usize| {
+                let seen = dataset.observation(step);
+                position
+                    .axes
+                    .map(|axis| axis.map_or(0.0, |axis| seen[axis]))
+            };
+            Place {
+                name: position.name,
+                mark: position.mark,
+                path: steps.iter().map(place).collect(),
+            }
+        });
+        let plots = channels.plots.iter().map(|(channel, name, unit)| Track {
+            name: name.clone(),
+            unit,
+            values: observed(*channel).collect(),
+        });
+        let actions = channels.actions.iter().enumerate().map(|(i, name)| Track {
+            name: name.clone(),
+            unit: "",
+            values: steps.iter().map(|&step| dataset.action(step)[i]).collect(),
+        });
+        Picture {
+            episode: segment.episode(),
+            start: segment.start(),
+            stride,
+            period_s: channels.period.as_secs_f64() * stride as f64,
+            frames: steps.len(),
+            places: places.collect(),
+            plots: plots.collect(),
+            actions: actions.collect(),
+        }
+    }
+}

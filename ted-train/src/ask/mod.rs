@@ -1,0 +1,34 @@
+//! A person is asked: on a web page of this machine, or in a terminal.
+//!
+//! A [`Session`] puts the questions of a run to a [`Person`] and keeps what they say in the run's log. It is the learner that asks:
+//! it chooses each question by the answers before it, waits in `Teacher::answer`, and the log has the answer on the disk before the
+//! next question is chosen. Whoever takes an answer back ends the interview; the log is cut there and the interview begins again,
+//! which gives the same questions as far as the answers are the same. What is computed before the first question is kept.
+//!
+//! ```text
+//! learner (this thread)                       server (a thread of its own)
+//!   Session --question--> Person = Page --scene--> Desk <--GET /api/scene-- browser
+//!   log     <--answer---        <--word---------  Desk <--POST /api/say---
+//! ```
+//!
+//! Neither end knows the other: a person at the terminal ([`Terminal`]) answers the same session.
+
+mod aside;
+mod channels;
+mod clip;
+mod error;
+mod listener;
+mod person;
+mod session;
+mod terminal;
+#[cfg(test)]
+mod tests;
+pub mod web;
+mod words;
+
+pub use channels::{Channels, Mark, Position};
+pub use clip::{ClipSource, Numbers, Picture, Track};
+pub use error::AskError;
+pub use person::{Person, Reply, Review, Turn, Verdict};
+pub use session::Session;
+pub use terminal::Terminal;
