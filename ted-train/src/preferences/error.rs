@@ -109,8 +109,8 @@ pub enum PreferenceError {
     /// Rewards that say of no clip that it is better than another one.
     #[error(
         "the true rewards of {id} are all {reward}, so the simulated teacher cannot say which of two clips is better: answer yourself, \
-         with --preferences and a file. It may be empty at first, and the command then says the line of each question that it \
-         wants answered; README.md explains it under \"Your own answers\""
+         with `ted ask` or `ted train --ask`, or with --preferences and a file. It may be empty at first, and the command then says \
+         the line of each question that it wants answered; README.md explains it under \"Your own answers\""
     )]
     NobodyToAsk {
         /// The dataset.

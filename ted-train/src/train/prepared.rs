@@ -152,3 +152,69 @@ impl<'a> Prepared<'a> {
             && self.step() == other.step()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    use crate::config::Preset;
+    use crate::dataset::{EpisodeRecord, Shape};
+    use crate::preferences::ScriptedTeacher;
+    use crate::reward::RewardConfig;
+    use crate::run::DatasetReference;
+
+    /// Twelve episodes of eight steps, all different.
+    fn logs() -> Dataset {
+        let shape = Shape {
+            observation: 3,
+            action: 2,
+        };
+        let steps = 8;
+        let records = (0..12).map(|episode| {
+            let wave = |i: usize| ((episode * 31 + i * 7) as f32).sin();
+            EpisodeRecord {
+                observations: (0..(steps + 1) * shape.observation).map(wave).collect(),
+                actions: (0..steps * shape.action).map(|i| wave(i + 5)).collect(),
+                rewards: (0..steps).map(|i| wave(i + 9)).collect(),
+                terminations: vec![false; steps],
+                truncations: (1..=steps).map(|step| step == steps).collect(),
+                success: vec![false; steps],
+                ..EpisodeRecord::default()
+            }
+        });
+        let records: Vec<_> = records.collect();
+        Dataset::from_records("ted/x-v0", shape, &records).unwrap()
+    }
+
+    #[test]
+    fn a_policy_is_told_the_quality_of_episodes_and_not_the_sums_of_a_network_that_is_fitted_to_it()
+    {
+        let dataset = logs();
+        let mut config = Preset::Steer.config();
+        let RewardConfig::Episodes(episodes) = &mut config.reward else {
+            panic!("a model of episodes");
+        };
+        (episodes.queries, episodes.held_out) = (2, 10);
+        (episodes.clone.steps, episodes.network.steps) = (20, 2);
+        let reference = DatasetReference {
+            id: dataset.id().to_owned(),
+            digest: dataset.digest().to_owned(),
+            path: PathBuf::new(),
+        };
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = RunFolder::begin(temporary.path(), &config, &reference).unwrap();
+        let mut teacher = ScriptedTeacher::truthful();
+        let audience = Audience::Nobody;
+        let prepared = Prepared::new(&dataset, &config, &folder, &mut teacher, audience).unwrap();
+
+        let model = prepared.rewards.model.as_ref().unwrap();
+        let of = |told: &[f32]| {
+            let conditions = config.algorithm.conditions(&dataset, &prepared.kept, told);
+            conditions.map(|conditions| conditions.advanced(model.trust()))
+        };
+        assert_eq!(prepared.conditions, of(model.quality().unwrap()));
+        let sums = &prepared.rewards.labels.returns_hat;
+        assert_ne!(prepared.conditions, of(sums));
+    }
+}

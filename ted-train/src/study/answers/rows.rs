@@ -193,7 +193,7 @@ const NUMBERS: [(&str, &[&str]); 6] = [
 ];
 
 /// Ours without one part each.
-const PARTS: [(&str, &[&str]); 9] = [
+const PARTS: [(&str, &[&str]); 10] = [
     ("all of it", &[]),
     ("no answers", &["reward.queries=0"]),
     ("questions not chosen", &["reward.pool=1"]),
@@ -205,6 +205,7 @@ const PARTS: [(&str, &[&str]); 9] = [
     ("no whereabouts", &["reward.direction_std=0"]),
     ("no slips", &["reward.lapse=0"]),
     ("no decay", &["algorithm.weight_decay=0"]),
+    ("the whole gain", &["algorithm.haste=1"]),
     ("no averaged weights", &["algorithm.average_rate=1"]),
 ];
 
