@@ -176,7 +176,7 @@ mod tests {
             EpisodeRecord {
                 observations: (0..(steps + 1) * shape.observation).map(wave).collect(),
                 actions: (0..steps * shape.action).map(|i| wave(i + 5)).collect(),
-                rewards: (0..steps).map(|i| wave(i + 9)).collect(),
+                rewards: (0..steps).map(|i| wave(i + 9).into()).collect(),
                 terminations: vec![false; steps],
                 truncations: (1..=steps).map(|step| step == steps).collect(),
                 success: vec![false; steps],
