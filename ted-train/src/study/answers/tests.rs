@@ -72,7 +72,7 @@ fn every_question_has_its_rows_and_every_log_a_name() {
                 .to_string(),
         );
     }
-    let expected = [10, 6, 6, 18, 21, 35, 45, 2, 40];
+    let expected = [10, 6, 6, 18, 21, 35, 50, 2, 40];
     assert!(rows_of.into_values().eq(expected));
     for id in [
         "ted/drawer-open-v3-paper-s0-v0",
