@@ -109,9 +109,13 @@ pub(super) fn run(args: &AnswersArgs) -> Result<(), Failure> {
     };
     let report = Report { survey, merged };
     args.output.print(&report, || report.text())?;
-    match broken {
-        None => Ok(()),
-        Some(fault) => Err(Failure::new(ExitCode::BadInput, fault)),
+    match (broken, &args.merge) {
+        (None, _) => Ok(()),
+        (Some(fault), None) => Err(Failure::new(ExitCode::BadInput, fault)),
+        (Some(fault), Some(out)) => Err(Failure::new(
+            ExitCode::BadInput,
+            format_args!("{fault}; {} was not written", out.display()),
+        )),
     }
 }
 

@@ -177,7 +177,8 @@ fn a_file_is_printed_as_people_read_it_and_checked_for_a_dataset() {
     write(&desk, "answers.jsonl", &[lines[0].clone(), cut]);
     let ended = answers(&desk, &["answers.jsonl", "--merge", "whole.jsonl"])
         .with(3)
-        .telling("line 2 of answers.jsonl is not a preference");
+        .telling("line 2 of answers.jsonl is not a preference")
+        .telling("whole.jsonl was not written");
     assert!(
         ended.said.contains("1  teacher:true-return"),
         "{}",

@@ -278,6 +278,7 @@ fn the_terminal_asks_the_same_and_leaves_the_same_log_as_the_page() {
     let ended = ended(child)
         .with(0)
         .telling("Question 1 of 4")
+        .telling("steps 0 to 99")
         .telling("point x")
         .telling("That is none of these");
     assert!(

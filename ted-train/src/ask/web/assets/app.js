@@ -134,7 +134,7 @@ async function ask() {
   if (document.activeElement === document.body || document.activeElement.disabled) get("title").focus({ preventScroll: true });
   view.fit(pictures);
   pictures.forEach((picture, i) => {
-    const to = picture.start + picture.frames * picture.stride;
+    const to = picture.start + (picture.frames - 1) * picture.stride;
     const clip = { episode: picture.episode, from: picture.start, to };
     figures[i].querySelector(".clip-name").textContent = fill("clip", clip);
     figures[i].querySelector(".plots").setAttribute("aria-label", `${words[i ? "right-heading" : "left-heading"]}: ${words.plots}`);
