@@ -163,8 +163,15 @@ fn artefact_text(artefact: &ArtefactText) -> String {
     }
     lines.push(match &artefact.ted {
         Some(ted) => format!(
-            "TED              gamma {}, sigma {}; full discount from predicted return {} (ties up to episode {})",
-            ted.gamma, ted.sigma, ted.threshold_return_hat, ted.last_tied_episode
+            "TED              gamma {}, sigma {}; {} from predicted return {} (ties up to episode {})",
+            ted.gamma,
+            ted.sigma,
+            match ted.sigma < 1.0 {
+                true => "full discount",
+                false => "no discount is lowered; an episode is among the best",
+            },
+            ted.threshold_return_hat,
+            ted.last_tied_episode
         ),
         None => "TED              none: constant discount".to_owned(),
     });

@@ -40,4 +40,4 @@ pub(crate) use host::mask_inactive;
 pub use init::{Initialiser, orthogonal};
 pub use mlp::{Activation, Linear, Mlp, MlpShape};
 pub use momentum::Velocity;
-pub use schedule::WarmupCosine;
+pub use schedule::{WarmupCosine, average_share};

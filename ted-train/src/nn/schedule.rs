@@ -1,4 +1,4 @@
-//! A learning rate that first rises linearly and then falls along half a cosine.
+//! How a learning rate, and the share of the newest weights in an average, change over the updates.
 
 use std::f64::consts::PI;
 
@@ -30,6 +30,16 @@ impl WarmupCosine {
         let done = ((step - warmup) / (steps as f64 - warmup).max(1.0)).min(1.0);
         self.end + (self.peak - self.end) * 0.5 * (1.0 + (PI * done).cos())
     }
+}
+
+/// The average forgets within a tenth of the updates made, as long as they are few.
+const SHORT_AVERAGE: f64 = 10.0;
+
+/// Share of the weights after update `step` (from 1) in their average: `last` once many updates are made, and more before, since
+/// a long average would remember the first weights.
+#[must_use]
+pub fn average_share(last: f64, step: u64) -> f64 {
+    last.max(SHORT_AVERAGE / (step as f64 + SHORT_AVERAGE))
 }
 
 #[cfg(test)]
@@ -69,5 +79,13 @@ mod tests {
         };
         assert_eq!(schedule.rate(0, 10), 1.0);
         assert_eq!(schedule.rate(0, 0), 1.0);
+    }
+
+    #[test]
+    fn an_average_is_short_at_first_and_grows_long() {
+        let shares = [1, 10, 9_990, 40_000].map(|step| average_share(1e-3, step));
+        for (share, expected) in shares.into_iter().zip([10.0 / 11.0, 0.5, 1e-3, 1e-3]) {
+            assert!((share - expected).abs() < 1e-12, "{share}");
+        }
     }
 }

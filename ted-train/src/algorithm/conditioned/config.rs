@@ -50,9 +50,6 @@ impl Default for ConditionedConfig {
     }
 }
 
-/// The average forgets within a tenth of the updates made, as long as they are few.
-const SHORT_AVERAGE: f64 = 10.0;
-
 impl ConditionedConfig {
     /// Step size before update `step` (from 0): half a cosine from `learning_rate` to `final_rate` over `steps`.
     #[must_use]
@@ -64,12 +61,5 @@ impl ConditionedConfig {
             warmup: 0.0,
         };
         cosine.rate(step, self.steps)
-    }
-
-    /// Share of the weights after update `step` (from 1) in the average: a long average would remember the first weights.
-    #[must_use]
-    pub fn average_rate(&self, step: u64) -> f64 {
-        let short = SHORT_AVERAGE / (step as f64 + SHORT_AVERAGE);
-        self.average_rate.max(short)
     }
 }

@@ -3,6 +3,7 @@
 use burn::tensor::Tensor;
 
 use crate::algorithm::Batch;
+use crate::nn::average_share;
 use crate::nn::lanes::{means, tensor};
 
 use super::Conditioned;
@@ -61,7 +62,7 @@ impl Conditioned {
             self.step,
         );
 
-        let share = self.config.average_rate(self.step);
+        let share = average_share(self.config.average_rate, self.step);
         self.average.polyak(&self.network, share);
         let moved = self.gain.clone() - self.average_gain.clone();
         self.average_gain = self.average_gain.clone() + moved.mul_scalar(share);

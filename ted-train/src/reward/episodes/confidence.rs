@@ -21,8 +21,10 @@ pub struct Confidence {
 }
 
 impl Confidence {
-    /// From samples of the weights, the descriptors of every episode, and which ones are the best by the mean weights.
+    /// From the answers and how many agree, samples of the weights, the descriptors of every episode, and which ones are the best
+    /// by the mean weights.
     pub(super) fn new(
+        [answers, agreeing]: [usize; 2],
         samples: &DMatrix<f64>,
         descriptors: &DMatrix<f64>,
         best: &[usize],
@@ -42,8 +44,8 @@ impl Confidence {
         let percentile = |p: usize| gains[(count * p / 100).min(count - 1)];
         let better = gains.iter().filter(|&&gain| gain > 0.0).count() as f64 / count as f64;
         Self {
-            answers: 0,
-            agreeing: 0,
+            answers,
+            agreeing,
             gain: gains.iter().sum::<f64>() / count as f64,
             range: [percentile(5), percentile(95)],
             better,
@@ -66,6 +68,8 @@ impl Confidence {
             0 => "without an answer".to_owned(),
             _ => format!("by {answers} answers, {agreeing} of which agree with the rest"),
         };
+        // Else a small negative number is said as -0.0.
+        let [gain, low, high] = [gain, low, high].map(|it| (10.0 * it).round() / 10.0 + 0.0);
         let sure = format!(
             "{by}, the episodes that look best are {gain:.1} deviations \
              above the average of the logs (90 % interval {low:.1} to {high:.1}), and better at all with a probability of {:.0} %",

@@ -5,7 +5,9 @@ use firmware_sim::interrupt;
 use firmware_sim::progress::Progress;
 use rand::RngExt;
 
-use crate::nn::{Activation, AdamState, Backend, Initialiser, Mlp, MlpShape, WarmupCosine};
+use crate::nn::{
+    Activation, AdamState, Backend, Initialiser, Mlp, MlpShape, WarmupCosine, average_share,
+};
 use crate::reward::LearnError;
 use crate::rng::Seed;
 
@@ -77,7 +79,7 @@ pub(super) fn fit(
             let gradients = network.gradients(tape, d);
             let rate = rate.rate(step, fitting.steps);
             (fitting.adam).step(&mut network, &mut adam, gradients, rate, step + 1);
-            average.polyak(&network, AVERAGE_RATE.max(10.0 / (step + 11) as f64));
+            average.polyak(&network, average_share(AVERAGE_RATE, step + 1));
         });
         progress.advance(1);
         if interrupt::requested() {

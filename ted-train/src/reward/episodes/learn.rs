@@ -83,11 +83,9 @@ pub(super) fn learn(
     let quality = &look.descriptors.values * &weights;
     let mut best = ranking(quality.as_slice());
     best.truncate(config.candidates);
-    let confidence = Confidence {
-        answers: evidence.labels.len(),
-        agreeing: agreeing(&evidence, &weights),
-        ..Confidence::new(&samples, &look.descriptors.values, &best, config.sure)
-    };
+    let answers = [evidence.labels.len(), agreeing(&evidence, &weights)];
+    let (values, sure) = (&look.descriptors.values, config.sure);
+    let confidence = Confidence::new(answers, &samples, values, &best, sure);
     if let Some(moved) = words::moved(&prior, &weights).filter(|_| confidence.answers > 0) {
         on.audience.note(&moved);
     }

@@ -133,10 +133,10 @@ fn a_question_is_about_two_episodes_one_of_which_may_be_the_best() {
 fn confidence_is_high_where_all_samples_agree_and_low_where_they_do_not() {
     let descriptors = DMatrix::from_column_slice(4, 1, &[2.0, -1.0, -0.5, -0.5]);
     let sure = DMatrix::from_column_slice(4, 1, &[1.0, 2.0, 1.5, 0.5]);
-    let confidence = Confidence::new(&sure, &descriptors, &[0], 0.8);
+    let confidence = Confidence::new([0, 0], &sure, &descriptors, &[0], 0.8);
     assert_eq!((confidence.better, confidence.leaves_the_logs), (1.0, true));
     let unsure = DMatrix::from_column_slice(4, 1, &[1.0, -2.0, 1.5, -0.1]);
-    let confidence = Confidence::new(&unsure, &descriptors, &[0], 0.8);
+    let confidence = Confidence::new([0, 0], &unsure, &descriptors, &[0], 0.8);
     assert_eq!(
         (confidence.better, confidence.leaves_the_logs),
         (0.5, false)
