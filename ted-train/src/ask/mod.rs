@@ -27,7 +27,7 @@ pub mod web;
 mod words;
 
 pub use channels::{Channels, Mark, Position};
-pub use clip::{ClipSource, Numbers, Picture, Track};
+pub use clip::{ClipSource, Numbers, Picture, Place, Track};
 pub use error::AskError;
 pub use person::{Person, Reply, Review, Turn, Verdict};
 pub use session::Session;

@@ -18,6 +18,7 @@ use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
 use crate::replay::ReplayDatasetError;
+use crate::report::ReportError;
 use crate::reward::LearnError;
 use crate::reward::transport::TransportError;
 use crate::run::RunError;
@@ -220,6 +221,18 @@ impl Ends for CrosscheckError {
     }
 }
 
+impl Ends for ReportError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Run(error) => error.exit_code(),
+            Self::Train(error) => error.exit_code(),
+            Self::Preferences(error) => error.exit_code(),
+            Self::Write(error) => error.exit_code(),
+            Self::Discount(_) | Self::Figure(_) => ExitCode::Failure,
+        }
+    }
+}
+
 impl Ends for InspectError {
     fn exit_code(&self) -> ExitCode {
         match self {
@@ -243,6 +256,7 @@ impl Ends for QuickstartError {
             Self::Train(error) => error.exit_code(),
             Self::Evaluate(error) => error.exit_code(),
             Self::Crosscheck(error) => error.exit_code(),
+            Self::Report(error) => error.exit_code(),
         }
     }
 }

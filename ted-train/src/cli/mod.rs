@@ -15,6 +15,7 @@ mod inspect;
 mod locate;
 mod presets;
 mod quickstart;
+mod report;
 mod run_report;
 mod seeds;
 mod study;
@@ -34,6 +35,7 @@ The same step by step:
   ted collect --task drawer-open-v3
   ted ask drawer-open-v3                  your own answers, on a page; leave it out and the true rewards answer
   ted train drawer-open-v3 --seed 0
+  ted report runs/drawer-open-v3/steer/seed-0
   ted crosscheck runs/drawer-open-v3/steer/seed-0
   firmware-sim fly runs/drawer-open-v3/steer/seed-0/policy.ted --episodes 50
 
@@ -60,6 +62,7 @@ enum Command {
     Export(export::ExportArgs),
     Inspect(inspect::InspectArgs),
     Crosscheck(crosscheck::CrosscheckArgs),
+    Report(report::ReportArgs),
     Bench(bench::BenchArgs),
     Study(study::StudyArgs),
 }
@@ -85,6 +88,7 @@ pub fn run() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Study(args) => study::run(&args),
     });

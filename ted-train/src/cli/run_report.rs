@@ -16,6 +16,8 @@ pub(super) struct RunReport<'t> {
     end: End<'t>,
     #[serde(flatten)]
     sure: Option<Sure<'t>>,
+    /// The page that says what became of it.
+    report: Option<&'t Path>,
 }
 
 /// How it flew, or what it left if it did not.
@@ -53,7 +55,7 @@ impl<'t> Sure<'t> {
 }
 
 impl<'t> RunReport<'t> {
-    pub(super) fn of(folder: &'t Path, trained: &'t Trained) -> Self {
+    pub(super) fn of(folder: &'t Path, trained: &'t Trained, report: Option<&'t Path>) -> Self {
         let left = End::Left {
             run: folder,
             artefact: trained.artefact.as_deref(),
@@ -61,6 +63,7 @@ impl<'t> RunReport<'t> {
         Self {
             end: trained.evaluation.as_ref().map_or(left, End::Flown),
             sure: Sure::of(trained),
+            report,
         }
     }
 
@@ -69,9 +72,11 @@ impl<'t> RunReport<'t> {
             End::Flown(evaluation) => text(evaluation),
             End::Left { run, artefact } => artefact.unwrap_or(run).display().to_string(),
         };
-        match &self.sure {
-            Some(sure) => format!("{end}\n{}", sure.statement()),
-            None => end,
-        }
+        let sure = self.sure.as_ref().map(|sure| sure.statement().to_owned());
+        let report = self
+            .report
+            .map(|path| format!("report: {}", path.display()));
+        let lines = [Some(end), report, sure];
+        lines.into_iter().flatten().collect::<Vec<_>>().join("\n")
     }
 }

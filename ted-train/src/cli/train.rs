@@ -19,6 +19,7 @@ use super::failures::end;
 use super::fleet_report::FleetReport;
 use super::locate::{dataset_path, no_dataset, run_folder};
 use super::presets::{self, PresetArg};
+use super::report;
 use super::run_report::RunReport;
 use super::seeds::Seeds;
 
@@ -114,7 +115,8 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
         let watch = Watch::Alone(audience);
         let mut ends = fleet::together(&[lane], &datasets, simulators, watch);
         let trained = ends.swap_remove(0).map_err(end)?;
-        let report = RunReport::of(&lane.folder, &trained);
+        let page = report::of_a_run(lane, &datasets, audience);
+        let report = RunReport::of(&lane.folder, &trained, page.as_deref());
         return args.output.print(&report, || report.text());
     }
     let ends = fleet::run(&lanes, &datasets, args.jobs, audience, |_| ());

@@ -39,7 +39,11 @@ pub struct RunText {
 }
 
 impl RunText {
-    pub(super) fn read(folder: &RunFolder) -> Result<Self, RunError> {
+    /// Reads what there is in the folder.
+    ///
+    /// # Errors
+    /// When one of its files cannot be read.
+    pub fn read(folder: &RunFolder) -> Result<Self, RunError> {
         let config = Config::read(&folder.config_path())?;
         let artefact = folder.artefact_path();
         let held = |name: &str| folder.file(name).is_file();

@@ -1,6 +1,6 @@
 //! One network, layer by layer: what its activations need, what it becomes, and how far that is from what it was.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use ted_core::integer::{
     IntegerError, IntegerMlp, IntegerScratch, MAX_ACTIVATION, MAX_FRACTION_BITS, Q15,
 };
@@ -33,7 +33,7 @@ pub struct QuantisedNetwork {
 }
 
 /// How a network's integers differ from its floats on the calibration inputs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NetworkReport {
     /// How many input values were looked at.
     pub inputs: usize,
@@ -44,7 +44,7 @@ pub struct NetworkReport {
 }
 
 /// How a layer's integers differ from its floats.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayerReport {
     /// Values that were cut off at the ends of 16 bits. None counts before a tanh, which is flat there.
     pub saturated: usize,

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use ted_core::Normaliser;
 use ted_core::quantised::resolution;
 
@@ -13,7 +13,7 @@ use crate::contract::channel_text;
 const COARSE_MM: f64 = 0.1;
 
 /// How the integers of an artefact differ from its floats.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QuantisationReport {
     /// The policy, layer by layer.
     pub policy: NetworkReport,
@@ -28,7 +28,7 @@ pub struct QuantisationReport {
 }
 
 /// A channel in metres, and how finely the integers see it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coarsest {
     /// Its name.
     pub channel: String,
@@ -37,7 +37,7 @@ pub struct Coarsest {
 }
 
 /// Absolute differences of one action channel over the calibration observations; the whole range is 2.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActionError {
     /// Their mean.
     pub mean: f64,
@@ -48,7 +48,7 @@ pub struct ActionError {
 }
 
 /// The reward ensemble in integers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RewardReport {
     /// Its members, layer by layer.
     pub members: Vec<NetworkReport>,

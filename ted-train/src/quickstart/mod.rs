@@ -18,8 +18,9 @@ use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosschec
 use crate::dataset::{Dataset, DatasetError};
 use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate_once};
 use crate::preferences::{ScriptedTeacher, Teacher};
+use crate::report::{ReportError, report};
 use crate::reward::episodes::Confidence;
-use crate::run::{DatasetReference, EVALUATION, PREFERENCES, RunError, RunFolder};
+use crate::run::{DatasetReference, EVALUATION, PREFERENCES, REPORT, RunError, RunFolder};
 use crate::train::{RewardReport, TrainError, train};
 use firmware_sim::disk::WriteError;
 
@@ -107,6 +108,8 @@ pub enum QuickstartError {
     Evaluate(#[from] EvaluateError),
     /// Cross-checking.
     Crosscheck(#[from] CrosscheckError),
+    /// Telling what became of it.
+    Report(#[from] ReportError),
 }
 
 impl QuickstartConfig {
@@ -224,6 +227,7 @@ pub fn quickstart(
     };
     let crosscheck = crosscheck(&folder, &dataset, &check, audience)?;
     folder.write_json("crosscheck.json", &crosscheck)?;
+    report(&folder, &dataset, &folder.file(REPORT), audience)?;
 
     let reward: RewardReport = folder.read_json("reward.json")?;
     Ok(Quickstart {
@@ -253,6 +257,7 @@ fn written(dataset: &Path, scripted: &Path, clone: &RunFolder, folder: &RunFolde
         entry("artefact", folder.artefact_path()),
         entry("evaluation", folder.file(EVALUATION)),
         entry("cross-check", folder.file("crosscheck.json")),
+        entry("report, to look at", folder.file(REPORT)),
     ]
 }
 

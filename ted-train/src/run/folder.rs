@@ -30,6 +30,9 @@ pub const EVALUATION: &str = "evaluation.json";
 /// What the integer networks of the artefact cost.
 pub const QUANTISATION: &str = "quantisation.json";
 
+/// What became of the run, on one page.
+pub const REPORT: &str = "report.html";
+
 /// Checkpoints kept: the newest, and the one before in case the newest is damaged.
 const KEPT_CHECKPOINTS: usize = 2;
 

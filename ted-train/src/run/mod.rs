@@ -28,7 +28,8 @@ mod sealed;
 pub use clock::{Clock, Phase, Spent};
 pub use events::EventWriter;
 pub use folder::{
-    ANSWERS, DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunError, RunFolder,
+    ANSWERS, DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, REPORT, RunError,
+    RunFolder,
 };
 pub use metrics::MetricsLog;
 pub use saver::Saver;

@@ -13,5 +13,6 @@ mod interruptions;
 mod preference_files;
 mod presets;
 mod repeatability;
+mod report;
 mod studies;
 mod teachers;

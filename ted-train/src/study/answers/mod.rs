@@ -10,18 +10,17 @@ mod method;
 mod plan;
 mod rows;
 mod shard;
-mod statistics;
 mod table;
 #[cfg(test)]
 mod tests;
 
+pub use crate::statistics::Estimate;
 pub use line::AnswerScore;
 pub use merge::{MergeError, Merged, merge};
 pub use method::Method;
 pub use plan::{Desk, Planned, plan, to_make};
 pub use rows::{Family, Log, Row, rows};
 pub use shard::Shard;
-pub use statistics::Estimate;
 pub use table::tables;
 
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The tables of the benchmark: each family's rows, and what they come to together.
 
-use super::statistics::{interquartile_mean, mean};
 use super::{AnswerScore, Estimate, Family, Method, Planned};
+use crate::statistics::{interquartile_mean, mean};
 use crate::study::run::RunScore;
 
 /// The Markdown tables of each family that has a score, in the order of the plan.

@@ -1,0 +1,223 @@
+//! What a report tells: everything that there is to know about a run, gathered from its folder and its dataset.
+
+use std::path::{Path, PathBuf};
+
+use firmware_sim::progress::Audience;
+use serde_json::{Map, Value};
+
+use crate::ask::{Channels, ClipSource, Numbers, Picture};
+use crate::config::Config;
+use crate::dataset::{Dataset, Segment};
+use crate::evaluate::Evaluation;
+use crate::inspect::RunText;
+use crate::preferences::{LogEntry, PreferenceLog};
+use crate::quantise::QuantisationReport;
+use crate::ranking::ranking;
+use crate::run::{DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATION, RunFolder};
+use crate::train::{FinishedRun, TrainError};
+
+use super::ReportError;
+use super::verdict::Verdict;
+
+/// Episodes of the best, and of the worst, that are shown.
+const SHOWN: usize = 3;
+
+/// All of it.
+pub(super) struct Facts {
+    pub verdict: Verdict,
+    pub run: RunText,
+    pub asked: Vec<Asked>,
+    pub predicted: Option<Predicted>,
+    pub curves: Vec<Curve>,
+    pub clone: Option<Evaluation>,
+    pub integers: Option<QuantisationReport>,
+    /// Episodes of the dataset.
+    pub episodes: usize,
+    /// Names of the actions' channels.
+    pub actions: Vec<String>,
+}
+
+/// A question and what was said to it.
+pub(super) struct Asked {
+    pub entry: LogEntry,
+    pub pictures: [Picture; 2],
+}
+
+/// What a run predicts of each episode, beside what is true.
+pub(super) struct Predicted {
+    /// Predicted returns, by episode.
+    pub returns_hat: Vec<f32>,
+    /// True returns; none where the dataset has no rewards.
+    pub returns_true: Option<Vec<f64>>,
+    /// The predicted return that an episode needs for the full discount; none where all have the same.
+    pub border: Option<f32>,
+    /// The best and the worst by prediction.
+    pub best: Vec<Picture>,
+    pub worst: Vec<Picture>,
+}
+
+/// A number over the updates of a phase.
+pub(super) struct Curve {
+    pub phase: String,
+    pub name: String,
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Facts {
+    pub fn gather(
+        folder: &RunFolder,
+        dataset: &Dataset,
+        audience: Audience,
+    ) -> Result<Self, ReportError> {
+        let run = RunText::read(folder)?;
+        let numbers = Numbers::of(dataset);
+        let clone = clone_of(folder, &run);
+        let confidence = run
+            .reward
+            .as_ref()
+            .and_then(|reward| reward.confidence.as_ref());
+        let verdict = Verdict::new(run.evaluation.as_ref(), clone.as_ref(), confidence);
+        let held = |name: &str| folder.file(name).is_file();
+        let integers = held(QUANTISATION)
+            .then(|| folder.read_json(QUANTISATION))
+            .transpose()?;
+        let asked = match held(PREFERENCES) {
+            true => PreferenceLog::read(folder.file(PREFERENCES), dataset)?,
+            false => Vec::new(),
+        };
+        let asked = asked.into_iter().map(|entry| Asked {
+            pictures: entry.question.query.segments.map(|it| numbers.picture(it)),
+            entry,
+        });
+        Ok(Self {
+            asked: asked.collect(),
+            predicted: predicted(folder, dataset, &numbers, &run, audience)?,
+            curves: curves(&folder.file("metrics.jsonl")),
+            episodes: dataset.episodes().len(),
+            actions: Channels::of(dataset).actions,
+            verdict,
+            run,
+            clone,
+            integers,
+        })
+    }
+}
+
+/// What the run's reward says of the logs; none where no reward was learned, or the run has not ended.
+fn predicted(
+    folder: &RunFolder,
+    dataset: &Dataset,
+    numbers: &Numbers<'_>,
+    run: &RunText,
+    audience: Audience,
+) -> Result<Option<Predicted>, ReportError> {
+    if run.config.reward.is_none() || run.step < run.steps {
+        return Ok(None);
+    }
+    let finished = match FinishedRun::read(folder, dataset, audience) {
+        Err(TrainError::NotForControllers { .. }) => return Ok(None),
+        finished => finished?,
+    };
+    let returns_hat = finished.labels().returns_hat.clone();
+    let border = run.config.discount.lookup(&returns_hat)?;
+    let order = ranking(
+        &returns_hat
+            .iter()
+            .copied()
+            .map(f64::from)
+            .collect::<Vec<_>>(),
+    );
+    let picture = |&episode: &usize| {
+        let length = dataset.episodes()[episode].len;
+        let whole = (u32::try_from(episode).ok()).zip(u32::try_from(length).ok());
+        let segment =
+            whole.and_then(|(episode, length)| Segment::new(dataset, episode, 0, length).ok());
+        segment.map(|segment| numbers.picture(segment))
+    };
+    let truth = dataset.only_reward().is_none();
+    Ok(Some(Predicted {
+        best: order.iter().take(SHOWN).filter_map(picture).collect(),
+        worst: order.iter().rev().take(SHOWN).filter_map(picture).collect(),
+        returns_true: truth.then(|| dataset.episodes().iter().map(|it| it.return_true).collect()),
+        border: border.map(|border| border.threshold().return_hat),
+        returns_hat,
+    }))
+}
+
+/// How a clone of the same logs flew, if there is one where `ted train`, a study or `ted quickstart` puts it: beside the run, or
+/// beside the folder of its preset. Of several, that of the same seed.
+fn clone_of(folder: &RunFolder, run: &RunText) -> Option<Evaluation> {
+    let parent = folder.path().parent()?;
+    let beside = entries(parent);
+    let presets = parent.parent().map(entries).unwrap_or_default();
+    let under = presets
+        .iter()
+        .filter(|path| named_bc(path))
+        .flat_map(|path| entries(path));
+    let mut clones: Vec<(bool, PathBuf, Evaluation)> = beside
+        .into_iter()
+        .filter(|path| named_bc(path))
+        .chain(under)
+        .filter_map(|path| clone_in(path, run))
+        .collect();
+    clones.sort_by(|a, b| (!a.0, &a.1).cmp(&(!b.0, &b.1)));
+    clones
+        .into_iter()
+        .next()
+        .map(|(_, _, evaluation)| evaluation)
+}
+
+/// Whether this is the folder of clones or of one.
+fn named_bc(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| name == "bc" || name.starts_with("bc-") || name == "clone")
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).collect()
+}
+
+/// Whether the clone in this folder has the seed of the run, the folder, and how it flew.
+fn clone_in(path: PathBuf, run: &RunText) -> Option<(bool, PathBuf, Evaluation)> {
+    let folder = RunFolder::open(&path).ok()?;
+    let config = Config::read(&folder.config_path()).ok()?;
+    let dataset: DatasetReference = folder.read_json(DATASET).ok()?;
+    let flown: Evaluation = folder.read_json(EVALUATION).ok()?;
+    let ours = run.evaluation.as_ref()?;
+    let same = dataset.digest == run.dataset.digest
+        && config.reward.is_none()
+        && flown.task == ours.task
+        && path != run.path;
+    same.then_some((config.seed == run.config.seed, path, flown))
+}
+
+/// Every number that the run wrote down while it learned.
+fn curves(log: &Path) -> Vec<Curve> {
+    let text = std::fs::read_to_string(log).unwrap_or_default();
+    let mut curves: Vec<Curve> = Vec::new();
+    for row in text
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Map<String, Value>>(line).ok())
+    {
+        let phase = row.get("phase").and_then(Value::as_str).unwrap_or_default();
+        let Some(step) = row.get("step").and_then(Value::as_f64) else {
+            continue;
+        };
+        for (name, value) in row.iter().filter(|(name, _)| *name != "step") {
+            let Some(value) = value.as_f64() else {
+                continue;
+            };
+            let known = (curves.iter_mut()).find(|it| it.phase == phase && it.name == *name);
+            match known {
+                Some(curve) => curve.points.push((step, value)),
+                None => curves.push(Curve {
+                    phase: phase.to_owned(),
+                    name: name.clone(),
+                    points: vec![(step, value)],
+                }),
+            }
+        }
+    }
+    curves
+}
