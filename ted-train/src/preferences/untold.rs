@@ -25,6 +25,13 @@ impl<'a> Untold<'a> {
         closed.any(|(_, it)| it.question.query.is_about(pair))
     }
 
+    /// Whether somebody has an answer about a pair already, which is no reason against asking again: it is the strategy's to say.
+    #[must_use]
+    pub fn is_told(self, pair: [Segment; 2]) -> bool {
+        let mut told = self.0.iter().filter(|it| it.said.answer.is_some());
+        told.any(|it| it.question.query.is_about(pair))
+    }
+
     /// How many questions got no answer.
     #[must_use]
     pub fn count(self) -> usize {

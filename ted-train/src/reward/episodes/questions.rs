@@ -81,7 +81,11 @@ impl QueryStrategy for MostInformative<'_> {
                 });
             }
         }
-        pool.retain(|pair| !untold.contains(pair.map(|episode| self.episodes[episode])));
+        // Who answered a question would say the same again; the model, which allows for slips, would like to hear it twice.
+        pool.retain(|pair| {
+            let pair = pair.map(|episode| self.episodes[episode]);
+            !untold.contains(pair) && !untold.is_told(pair)
+        });
         let information: Vec<f64> = pool.iter().map(|&pair| self.information(pair)).collect();
         match ranking(&information).first() {
             Some(&most) => Some(pool[most].map(|episode| self.episodes[episode])),

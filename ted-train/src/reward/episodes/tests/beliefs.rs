@@ -1,9 +1,11 @@
 //! What is believed before and after answers, and what is asked.
 
+use std::collections::HashSet;
+
 use nalgebra::{DMatrix, DVector};
 
-use crate::dataset::{Clip, SegmentSampler};
-use crate::preferences::{QueryStrategy, Untold};
+use crate::dataset::{Clip, Segment, SegmentSampler};
+use crate::preferences::{Answer, Context, LogEntry, Query, QueryStrategy, Question, Said, Untold};
 use crate::reward::episodes::EpisodesConfig;
 use crate::reward::episodes::confidence::Confidence;
 use crate::reward::episodes::learn::whole_episodes;
@@ -127,6 +129,56 @@ fn a_question_is_about_two_episodes_one_of_which_may_be_the_best() {
         let about = "and the answer says most about how far whereabouts 1 counts";
         assert!(why.ends_with(about), "{why}");
     }
+}
+
+/// A question about this pair that got an answer.
+fn answered(segments: [Segment; 2]) -> LogEntry {
+    LogEntry {
+        question: Question {
+            context: Context {
+                round: 0,
+                member: None,
+            },
+            query: Query { segments },
+            why: None,
+        },
+        said: Said {
+            answer: Some(Answer::First),
+            later: false,
+            by: "me".to_owned(),
+            at: None,
+        },
+    }
+}
+
+#[test]
+fn what_was_answered_is_not_asked_again_while_there_is_anything_else() {
+    let dataset = logs(&[0.5; 4]);
+    let whole = whole_episodes(&dataset).unwrap();
+    let sampler = SegmentSampler::new(&dataset, Clip::Episode).unwrap();
+    let config = EpisodesConfig::default();
+    let descriptors = DMatrix::from_fn(4, 1, |episode, _| episode as f64);
+    let samples = DMatrix::from_row_slice(2, 1, &[1.0, -1.0]);
+    let strategy = MostInformative::new(&config, &descriptors, &samples, &whole);
+    let mut asked: Vec<LogEntry> = Vec::new();
+    let mut pairs = HashSet::new();
+    for seed in 0..6 {
+        let mut rng = Seed::root(seed).rng();
+        let segments = strategy
+            .choose(&sampler, Untold::of(&asked), &mut rng)
+            .unwrap();
+        let mut pair = segments.map(|it| it.episode());
+        pair.sort_unstable();
+        assert!(pairs.insert(pair), "{pair:?} twice");
+        asked.push(answered(segments));
+    }
+    // There are no more pairs than that, and who wants to answer more may.
+    let mut rng = Seed::root(6).rng();
+    assert!(
+        strategy
+            .choose(&sampler, Untold::of(&asked), &mut rng)
+            .is_some()
+    );
 }
 
 #[test]
