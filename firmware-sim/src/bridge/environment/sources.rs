@@ -24,7 +24,8 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 16] = carried!(
+const FILES: [(&str, &str); 18] = carried!(
+    "cameras.py",
     "collect.py",
     "fast.py",
     "install.py",
@@ -33,6 +34,7 @@ const FILES: [(&str, &str); 16] = carried!(
     "parent.py",
     "quick.py",
     "rebound.py",
+    "render.py",
     "requirements.lock",
     "scalars.py",
     "session.py",
