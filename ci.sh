@@ -45,6 +45,7 @@ installed() {
     for_the_firmware
     for_the_cluster
     for_the_page
+    for_the_pictures
     cargo --version
     "$python" --version
     qemu-system-arm --version | head -1
@@ -75,6 +76,12 @@ for_the_cluster() {
 # A browser, for the page of `ted ask`.
 for_the_page() {
     command -v chromedriver >/dev/null || debian chromium chromium-driver
+}
+
+# A library that draws without a screen, for the pictures of `ted ask`. Which one is there is the simulator's business.
+for_the_pictures() {
+    [ "$(uname)" = Linux ] || return 0
+    "$python" -Es -c 'from ctypes import CDLL; CDLL("libOSMesa.so.8")' 2>/dev/null || debian libosmesa6
 }
 
 # Installs packages where that is nobody's own machine, and names them elsewhere.

@@ -11,9 +11,9 @@ class Camera(NamedTuple):
     """A free camera of MuJoCo."""
 
     # What is in the middle, in metres.
-    lookat: tuple = (0.05, 0.72, 0.13)
+    lookat: tuple = (0.05, 0.72, 0.15)
     # From there to the camera, in metres.
-    distance: float = 1.1
+    distance: float = 1.2
     # The compass direction in which it looks, in degrees: 90 is along y, 180 against x.
     azimuth: float = 152.0
     # How far up it looks, in degrees: down is negative.

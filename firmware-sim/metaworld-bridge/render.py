@@ -21,7 +21,7 @@ from cameras import camera_of
 
 # In the order in which they are tried: the first one can use a GPU.
 WAYS = ("cgl",) if sys.platform == "darwin" else ("egl", "osmesa")
-REMEDY = "on Debian and Ubuntu: apt install libosmesa6 (or libegl1 with a driver of your GPU)"
+REMEDY = "on Debian and Ubuntu: apt install libosmesa6, or with a GPU libegl1 and libopengl0"
 
 FOLDER = str(pathlib.Path(__file__).resolve().parent)
 
@@ -104,6 +104,9 @@ class Painter:
         self._camera.distance, self._camera.azimuth, self._camera.elevation = place[1:]
         self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+        # The first picture takes as long as many: what draws is compiled for it.
+        data = self._data
+        self.pictures(0, 64, 48, 80, [data.qpos.copy()], [data.mocap_pos.copy()], [data.mocap_quat.copy()])
 
     def pictures(self, seed, width, height, quality, qpos, mocap_pos, mocap_quat):
         """A JPEG of each state of the episode of this seed, whose fixed things stand where they stood."""

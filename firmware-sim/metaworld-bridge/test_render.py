@@ -16,6 +16,7 @@ from session import Session
 from task import Task
 from test_session import Requests, Stopped
 
+FOLDER = os.path.dirname(os.path.abspath(__file__))
 # As the parent starts a worker.
 PLAYING = {**os.environ, "MUJOCO_GL": "disable"}
 
@@ -121,7 +122,7 @@ class NoTrace(unittest.TestCase):
 
     def test_who_only_plays_loads_nothing_that_draws(self):
         code = "import sys, session; print({'render', 'mujoco.egl', 'mujoco.osmesa'} & sys.modules.keys())"
-        self.assertEqual(subprocess.check_output([sys.executable, "-c", code], env=PLAYING, text=True).strip(), "set()")
+        self.assertEqual(subprocess.check_output([sys.executable, "-c", code], cwd=FOLDER, env=PLAYING, text=True).strip(), "set()")
 
 
 class Refusals(unittest.TestCase):

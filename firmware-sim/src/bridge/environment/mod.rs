@@ -129,6 +129,13 @@ pub fn find() -> Result<Option<Environment>, SetupError> {
     Ok(Some(Environment::installed(&venv, &sources::write(&venv)?)))
 }
 
+/// Names everything that decides how a state looks in a picture, beside the state: a picture that was kept under another name may
+/// be of another camera.
+#[must_use]
+pub fn drawing_digest() -> String {
+    sources::drawing_digest()
+}
+
 /// Where the virtual environment is or would be, as an absolute path: workers run in another folder than this process.
 ///
 /// # Errors

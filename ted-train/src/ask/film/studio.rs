@@ -1,0 +1,222 @@
+//! The thread that makes films, and what others see of it.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use axum::body::Bytes;
+use serde::Serialize;
+
+use super::cache::Cache;
+use super::plan::{Batch, Plan, batches};
+use super::{FilmSource, NoFilm};
+use crate::dataset::Segment;
+
+/// Makes the films of the question that is open. Dropped, it ends after the stills that it is about to make.
+pub struct Studio {
+    shared: Arc<Shared>,
+}
+
+/// How far the films of the open question are.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Progress {
+    /// Why there will be no more.
+    pub trouble: Option<String>,
+    /// Stills that are made, and how many there will be.
+    pub all: [usize; 2],
+    /// The same of those without which there is nothing to see.
+    pub first: [usize; 2],
+    /// Left and right; none where nothing is asked.
+    pub films: Vec<Film>,
+}
+
+/// How far one film is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Film {
+    /// Steps from one still to the next.
+    pub every: u32,
+    /// Those that are made, by their place in the film.
+    pub made: Vec<u32>,
+}
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    plans: Option<[Plan; 2]>,
+    to_make: VecDeque<Batch>,
+    /// Stills by episode and step.
+    made: HashMap<(u32, u32), Bytes>,
+    to_keep: Vec<(u32, u32, Bytes)>,
+    trouble: Option<NoFilm>,
+    closed: bool,
+}
+
+/// What the thread does next.
+enum Work {
+    Make(u32, Vec<u32>),
+    Keep(u32, u32, Bytes),
+}
+
+impl Studio {
+    /// A studio with this source, which keeps its stills if it has where.
+    pub(super) fn open(source: impl FilmSource + 'static, cache: Option<Cache>) -> Self {
+        let shared = Arc::new(Shared::default());
+        let own = Arc::clone(&shared);
+        thread::spawn(move || own.work(source, cache));
+        Self { shared }
+    }
+
+    /// A studio that makes nothing.
+    #[must_use]
+    pub fn closed(reason: &NoFilm) -> Self {
+        let shared = Shared::default();
+        shared.lock().trouble = Some(reason.clone());
+        Self {
+            shared: Arc::new(shared),
+        }
+    }
+
+    /// Makes the films of these clips from now on, left and right.
+    pub fn show(&self, clips: [Segment; 2]) {
+        let plans = clips.map(Plan::of);
+        let mut state = self.shared.lock();
+        let wanted: HashSet<_> = (plans.iter())
+            .flat_map(|plan| (0..plan.stills).map(|still| (plan.episode, plan.step(still))))
+            .collect();
+        state.made.retain(|still, _| wanted.contains(still));
+        state.to_make = batches(&plans).collect();
+        state.plans = Some(plans);
+        self.shared.changed.notify_all();
+    }
+
+    /// How far they are.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        let state = self.shared.lock();
+        let mut progress = Progress {
+            trouble: state.trouble.as_ref().map(ToString::to_string),
+            ..Progress::default()
+        };
+        for plan in state.plans.iter().flatten() {
+            let made = |still: &u32| state.made.contains_key(&(plan.episode, plan.step(*still)));
+            let first = || (0..plan.stills).filter(|&still| plan.is_first(still));
+            progress.first[0] += first().filter(made).count();
+            progress.first[1] += first().count();
+            progress.films.push(Film {
+                every: plan.every,
+                made: (0..plan.stills).filter(made).collect(),
+            });
+            progress.all[1] += plan.stills as usize;
+        }
+        progress.all[0] = progress.films.iter().map(|film| film.made.len()).sum();
+        progress
+    }
+
+    /// A still of the left (0) or right (1) film, by its place.
+    #[must_use]
+    pub fn still(&self, side: usize, still: u32) -> Option<Bytes> {
+        let state = self.shared.lock();
+        let plan = state.plans.as_ref()?.get(side)?;
+        let known = still < plan.stills;
+        let at = (plan.episode, plan.step(if known { still } else { 0 }));
+        state.made.get(&at).filter(|_| known).cloned()
+    }
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        self.shared.lock().closed = true;
+        self.shared.changed.notify_all();
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nothing panics while it holds this.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn work(&self, mut source: impl FilmSource, mut cache: Option<Cache>) {
+        let ready = source.prepare();
+        while let Some(work) = self.next() {
+            match work {
+                Work::Make(episode, steps) => {
+                    if let Err(reason) =
+                        self.make(&mut source, &ready, cache.as_ref(), episode, &steps)
+                    {
+                        self.lock().trouble = Some(reason);
+                        return;
+                    }
+                }
+                Work::Keep(episode, step, jpeg) => {
+                    // A folder that cannot be written costs time the next time, and nothing else.
+                    if (cache.as_ref()).is_some_and(|it| it.put(episode, step, &jpeg).is_err()) {
+                        cache = None;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Waits for something to do; none when there will be nothing more. A disk is slow, so what is asked for comes first.
+    fn next(&self) -> Option<Work> {
+        let mut state = self.lock();
+        loop {
+            if state.closed {
+                return None;
+            }
+            if let (Some(plans), Some(Batch { side, stills })) =
+                (state.plans, state.to_make.pop_front())
+            {
+                let plan = plans[side];
+                let steps = stills.into_iter().map(|still| plan.step(still));
+                let missing = steps.filter(|&step| !state.made.contains_key(&(plan.episode, step)));
+                return Some(Work::Make(plan.episode, missing.collect()));
+            }
+            if let Some((episode, step, jpeg)) = state.to_keep.pop() {
+                return Some(Work::Keep(episode, step, jpeg));
+            }
+            let woken = self.changed.wait(state);
+            state = woken.unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Takes stills from the cache, and has the source make the others.
+    fn make(
+        &self,
+        source: &mut impl FilmSource,
+        ready: &Result<(), NoFilm>,
+        cache: Option<&Cache>,
+        episode: u32,
+        steps: &[u32],
+    ) -> Result<(), NoFilm> {
+        let kept = steps.iter().map(|&step| {
+            let kept = cache.and_then(|cache| cache.get(episode, step));
+            (step, kept)
+        });
+        let (kept, missing): (Vec<_>, Vec<_>) = kept.partition(|(_, kept)| kept.is_some());
+        let missing: Vec<u32> = missing.into_iter().map(|(step, _)| step).collect();
+        let mut drawn = Vec::new();
+        if !missing.is_empty() {
+            ready.clone()?;
+            drawn = source.stills(episode, &missing)?;
+        }
+        let mut state = self.lock();
+        for (step, jpeg) in kept {
+            state
+                .made
+                .extend(jpeg.map(|jpeg| ((episode, step), Bytes::from(jpeg))));
+        }
+        for (step, jpeg) in missing.into_iter().zip(drawn) {
+            let jpeg = Bytes::from(jpeg);
+            state.to_keep.push((episode, step, jpeg.clone()));
+            state.made.insert((episode, step), jpeg);
+        }
+        Ok(())
+    }
+}
