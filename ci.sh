@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, and Chromium with its driver; on a
+# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, Chromium with its driver, and OSMesa; on a
 # Debian machine of CI's own what is missing is installed. The simulator's packages are installed by the tests that need them.
 # One profile throughout: burn is built once, and tests of numbers want it optimised.
 set -euo pipefail

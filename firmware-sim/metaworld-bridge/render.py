@@ -1,6 +1,6 @@
 """Pictures of recorded states, on machines without a screen: by EGL, or by OSMesa where there is none.
 
-Nothing of this is imported before a picture is asked for, and a picture is made of an environment of its own, with everything to
+This is not imported before a picture is asked for, and a picture is made of an environment of its own, with everything to
 look at in its model: who only plays pays nothing, and what is played has the same bits afterwards.
 """
 

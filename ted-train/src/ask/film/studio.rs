@@ -1,13 +1,14 @@
 //! The thread that makes films, and what others see of it.
 
 use std::collections::{HashMap, HashSet, VecDeque};
+use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use axum::body::Bytes;
 use serde::Serialize;
 
-use super::cache::Cache;
+use super::cache::{Cache, Still};
 use super::plan::{Batch, Plan, batches};
 use super::{FilmSource, NoFilm};
 use crate::dataset::Segment;
@@ -51,15 +52,8 @@ struct State {
     to_make: VecDeque<Batch>,
     /// Stills by episode and step.
     made: HashMap<(u32, u32), Bytes>,
-    to_keep: Vec<(u32, u32, Bytes)>,
     trouble: Option<NoFilm>,
     closed: bool,
-}
-
-/// What the thread does next.
-enum Work {
-    Make(u32, Vec<u32>),
-    Keep(u32, u32, Bytes),
 }
 
 impl Studio {
@@ -141,82 +135,84 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn work(&self, mut source: impl FilmSource, mut cache: Option<Cache>) {
+    fn work(&self, mut source: impl FilmSource, cache: Option<Cache>) {
+        let keeper = cache.clone().map(Cache::keeper);
         let ready = source.prepare();
-        while let Some(work) = self.next() {
-            match work {
-                Work::Make(episode, steps) => {
-                    if let Err(reason) =
-                        self.make(&mut source, &ready, cache.as_ref(), episode, &steps)
-                    {
-                        self.lock().trouble = Some(reason);
-                        return;
-                    }
-                }
-                Work::Keep(episode, step, jpeg) => {
-                    // A folder that cannot be written costs time the next time, and nothing else.
-                    if (cache.as_ref()).is_some_and(|it| it.put(episode, step, &jpeg).is_err()) {
-                        cache = None;
-                    }
+        while let Some((episode, steps)) = self.next() {
+            match made(&mut source, &ready, cache.as_ref(), episode, &steps) {
+                Ok(stills) => self.add(episode, stills, keeper.as_ref()),
+                Err(reason) => {
+                    self.lock().trouble = Some(reason);
+                    return;
                 }
             }
         }
     }
 
-    /// Waits for something to do; none when there will be nothing more. A disk is slow, so what is asked for comes first.
-    fn next(&self) -> Option<Work> {
+    /// Waits for stills to make, by episode and steps; none when there will be no more.
+    fn next(&self) -> Option<(u32, Vec<u32>)> {
         let mut state = self.lock();
         loop {
             if state.closed {
                 return None;
             }
-            if let (Some(plans), Some(Batch { side, stills })) =
-                (state.plans, state.to_make.pop_front())
-            {
-                let plan = plans[side];
-                let steps = stills.into_iter().map(|still| plan.step(still));
+            if let (Some(plans), Some(batch)) = (state.plans, state.to_make.pop_front()) {
+                let plan = plans[batch.side];
+                let steps = batch.stills.into_iter().map(|still| plan.step(still));
                 let missing = steps.filter(|&step| !state.made.contains_key(&(plan.episode, step)));
-                return Some(Work::Make(plan.episode, missing.collect()));
-            }
-            if let Some((episode, step, jpeg)) = state.to_keep.pop() {
-                return Some(Work::Keep(episode, step, jpeg));
+                return Some((plan.episode, missing.collect()));
             }
             let woken = self.changed.wait(state);
             state = woken.unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// Takes stills from the cache, and has the source make the others.
-    fn make(
-        &self,
-        source: &mut impl FilmSource,
-        ready: &Result<(), NoFilm>,
-        cache: Option<&Cache>,
-        episode: u32,
-        steps: &[u32],
-    ) -> Result<(), NoFilm> {
-        let kept = steps.iter().map(|&step| {
-            let kept = cache.and_then(|cache| cache.get(episode, step));
-            (step, kept)
-        });
-        let (kept, missing): (Vec<_>, Vec<_>) = kept.partition(|(_, kept)| kept.is_some());
-        let missing: Vec<u32> = missing.into_iter().map(|(step, _)| step).collect();
-        let mut drawn = Vec::new();
-        if !missing.is_empty() {
-            ready.clone()?;
-            drawn = source.stills(episode, &missing)?;
-        }
+    fn add(&self, episode: u32, stills: Vec<Made>, keeper: Option<&Sender<Still>>) {
         let mut state = self.lock();
-        for (step, jpeg) in kept {
-            state
-                .made
-                .extend(jpeg.map(|jpeg| ((episode, step), Bytes::from(jpeg))));
-        }
-        for (step, jpeg) in missing.into_iter().zip(drawn) {
-            let jpeg = Bytes::from(jpeg);
-            state.to_keep.push((episode, step, jpeg.clone()));
+        for Made { step, jpeg, kept } in stills {
+            if let Some(keeper) = keeper.filter(|_| !kept) {
+                // Nobody listens where nothing can be written.
+                let _ = keeper.send((episode, step, jpeg.clone())).is_ok();
+            }
             state.made.insert((episode, step), jpeg);
         }
-        Ok(())
     }
+}
+
+/// A still, and whether it comes from the cache.
+struct Made {
+    step: u32,
+    jpeg: Bytes,
+    kept: bool,
+}
+
+/// Takes stills from the cache, and has the source make the others.
+fn made(
+    source: &mut impl FilmSource,
+    ready: &Result<(), NoFilm>,
+    cache: Option<&Cache>,
+    episode: u32,
+    steps: &[u32],
+) -> Result<Vec<Made>, NoFilm> {
+    let (mut stills, mut missing) = (Vec::new(), Vec::new());
+    for &step in steps {
+        match cache.and_then(|cache| cache.get(episode, step)) {
+            Some(jpeg) => stills.push(Made {
+                step,
+                jpeg: jpeg.into(),
+                kept: true,
+            }),
+            None => missing.push(step),
+        }
+    }
+    if !missing.is_empty() {
+        ready.clone()?;
+        let drawn = source.stills(episode, &missing)?;
+        stills.extend(missing.into_iter().zip(drawn).map(|(step, jpeg)| Made {
+            step,
+            jpeg: jpeg.into(),
+            kept: false,
+        }));
+    }
+    Ok(stills)
 }

@@ -141,7 +141,7 @@ fn what_was_made_before_is_not_made_again_and_a_broken_file_is() {
     let (studio, heard) = film(folder.path());
     let made: usize = heard.try_iter().map(|(_, steps)| steps.len()).sum();
     assert_eq!(made, 30, "the same clip on both sides is made once");
-    // It is kept when there is nothing better to do.
+    // It is kept a little later.
     let kept = folder.path().join("pictures/key/2");
     let deadline = Instant::now() + Duration::from_secs(30);
     let count = || std::fs::read_dir(&kept).map_or(0, Iterator::count);

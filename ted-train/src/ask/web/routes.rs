@@ -150,7 +150,8 @@ async fn clip(State(shared): State<Shared>, Path((at, side)): Path<(u64, String)
 async fn film(State(shared): State<Shared>, Path(at): Path<u64>) -> Response {
     match shared.is_asked(at) {
         true => Json(shared.studio.progress()).into_response(),
-        false => StatusCode::NOT_FOUND.into_response(),
+        // It was answered a moment ago, which is no error.
+        false => StatusCode::NO_CONTENT.into_response(),
     }
 }
 
@@ -159,8 +160,10 @@ async fn still(
     State(shared): State<Shared>,
     Path((at, side, still)): Path<(u64, String, u32)>,
 ) -> Response {
+    if !shared.is_asked(at) {
+        return StatusCode::NO_CONTENT.into_response();
+    }
     let side = SIDES.iter().position(|name| *name == side);
-    let side = side.filter(|_| shared.is_asked(at));
     match side.and_then(|side| shared.studio.still(side, still)) {
         Some(jpeg) => ([(CONTENT_TYPE, "image/jpeg")], jpeg).into_response(),
         None => StatusCode::NOT_FOUND.into_response(),

@@ -64,3 +64,37 @@ fn rows(batch: &RecordBatch, name: &str) -> Option<Vec<Vec<f64>>> {
             .collect()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::dataset::fixtures::records;
+    use crate::dataset::minari::tests::complete;
+
+    #[test]
+    fn the_states_of_an_episode_are_those_that_were_recorded() {
+        let (_root, folder) = complete();
+        let found = states(&folder, 2).unwrap().unwrap();
+        assert_eq!(found.len(), 6, "one before each of 5 steps, and one after");
+        let recorded = &records(&[6, 4, 5, 7])[2].infos[0];
+        let qpos: Vec<f64> = found.iter().flat_map(|it| it.qpos.clone()).collect();
+        assert_eq!((recorded.name.as_str(), &recorded.values), ("qpos", &qpos));
+        assert!(found.iter().all(|it| it.mocap_pos.is_empty()));
+        assert_eq!(states(&folder.join("data"), 2).unwrap().unwrap(), found);
+    }
+
+    #[test]
+    fn an_episode_that_is_missing_or_torn_is_an_error() {
+        let (_root, folder) = complete();
+        assert!(matches!(states(&folder, 9), Err(DatasetError::Read { .. })));
+        let part = folder.join("data/2").join(PART);
+        let bytes = fs::read(&part).unwrap();
+        fs::write(&part, &bytes[..bytes.len() / 2]).unwrap();
+        assert!(matches!(
+            states(&folder, 2),
+            Err(DatasetError::Damaged { .. })
+        ));
+    }
+}

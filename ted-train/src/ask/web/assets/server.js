@@ -23,7 +23,8 @@ export async function clips(at) {
 /// How far the films of a scene are; null when it is over.
 export async function film(at) {
   const response = await fetch(`/api/film/${at}`);
-  return response.ok ? response.json() : null;
+  if (!response.ok) throw new Error(await response.text());
+  return response.status === 204 ? null : response.json();
 }
 
 /// Where a still of one of them is.
