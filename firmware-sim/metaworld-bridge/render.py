@@ -52,19 +52,28 @@ def open_way():
             atexit.register(made(way).free)
             return way
         reasons.append(f"{way}: {reason}")
-    raise NoPictures(f"no picture can be made without a screen here ({'; '.join(reasons)}); {REMEDY}")
+    raise NoPictures(f"nothing here draws without a screen ({'; '.join(reasons)}); {REMEDY}")
 
 
 def trouble_with(way):
     """Why a way does not work; none if it does. It is tried in another process: what a library that fails leaves behind stands in the
     way of the next one, and some drivers end the process."""
-    code = f"import sys; sys.path.insert(0, {FOLDER!r}); import render; render.made({way!r})"
+    code = f"import sys; sys.path.insert(0, {FOLDER!r}); import render; print(render.trouble_here({way!r}))"
     tried = subprocess.run(
         [sys.executable, "-Es", "-c", code], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
     )
-    if tried.returncode == 0:
-        return None
-    return (tried.stderr.strip().splitlines() or [f"status {tried.returncode}"])[-1]
+    if tried.returncode != 0:
+        return f"it ended with status {tried.returncode}"
+    return tried.stdout.strip() or None
+
+
+def trouble_here(way):
+    """The same of this process, as one line, empty if there is none."""
+    try:
+        made(way)
+    except Exception as error:  # Whatever a library that is missing or half there raises.
+        return " ".join(f"{error}".split())
+    return ""
 
 
 def made(way):
@@ -74,7 +83,12 @@ def made(way):
     os.environ.pop("PYOPENGL_PLATFORM", None)
     for name in [name for name in sys.modules if name.partition(".")[0] == "OpenGL"]:
         del sys.modules[name]
-    context = importlib.import_module(f"mujoco.{way}").GLContext(1, 1)
+    try:
+        module = importlib.import_module(f"mujoco.{way}")
+    except AttributeError as error:
+        # What PyOpenGL comes to where it finds no library.
+        raise ImportError("its library cannot be loaded") from error
+    context = module.GLContext(1, 1)
     context.make_current()
     return context
 
