@@ -4,8 +4,8 @@ use crate::dataset::Segment;
 
 /// Stills of a clip at most: sixteen a second for an episode of Meta-World, which is as smooth as it needs to be.
 const STILLS: u32 = 100;
-/// Every fourth still comes first, so that there is something to see soon; then every second, then the rest.
-const PASSES: [u32; 3] = [4, 2, 1];
+/// Every eighth still comes first, so that there is something to see soon; then every fourth, and so on.
+const PASSES: [u32; 4] = [8, 4, 2, 1];
 /// Stills that are made at once: few, so that another question does not wait.
 const BATCH: usize = 5;
 
