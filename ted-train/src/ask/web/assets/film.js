@@ -24,7 +24,7 @@ export class Films {
   async begin(at) {
     this.clear();
     this.at = at;
-    for (;;) {
+    while (this.at === at) {
       // A request that is lost is made again; a scene that is over has no films.
       const progress = await server.film(at).catch(() => undefined);
       if (this.at !== at || progress === null) return;
