@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, and Chromium with its driver; on a
+# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, Chromium with its driver, and OSMesa; on a
 # Debian machine of CI's own what is missing is installed. The simulator's packages are installed by the tests that need them.
 # One profile throughout: burn is built once, and tests of numbers want it optimised.
 set -euo pipefail
@@ -45,6 +45,7 @@ installed() {
     for_the_firmware
     for_the_cluster
     for_the_page
+    for_the_pictures
     cargo --version
     "$python" --version
     qemu-system-arm --version | head -1
@@ -75,6 +76,12 @@ for_the_cluster() {
 # A browser, for the page of `ted ask`.
 for_the_page() {
     command -v chromedriver >/dev/null || debian chromium chromium-driver
+}
+
+# A library that draws without a screen, for the pictures of `ted ask`. Which one is there is the simulator's business.
+for_the_pictures() {
+    [ "$(uname)" = Linux ] || return 0
+    "$python" -Es -c 'from ctypes import CDLL; CDLL("libOSMesa.so.8")' 2>/dev/null || debian libosmesa6
 }
 
 # Installs packages where that is nobody's own machine, and names them elsewhere.

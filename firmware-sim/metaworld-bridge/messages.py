@@ -7,6 +7,7 @@ OPEN = 0x01
 RESET = 0x02
 STEP = 0x03
 COLLECT = 0x04
+RENDER = 0x05
 
 # Replies, worker to parent: the request's kind with the high bit set, and two that answer no request of their own.
 READY = 0x80
@@ -14,6 +15,7 @@ OPENED = 0x81
 RESETTED = 0x82
 STEPPED = 0x83
 COLLECTED = 0x84
+RENDERED = 0x85
 FAULT = 0xFF
 
 # Why a worker refuses: the first field of a FAULT.
@@ -22,6 +24,7 @@ UNKNOWN_TASK = 2
 NO_EPISODE = 3
 SIMULATOR = 4
 CANNOT_START = 5
+NO_PICTURES = 6
 
 # Episodes that may run side by side.
 SLOTS = 64
@@ -34,8 +37,11 @@ SHAPE = struct.Struct("<HHIIIII")
 RESET_REQUEST = struct.Struct("<HQ")
 # Seed and steps, then the fields of `collect.Behaviour`: push is four numbers.
 COLLECT_REQUEST = struct.Struct("<QIdd4dddB")
+# Seed, width and height in pixels, quality, and how many states follow.
+RENDER_REQUEST = struct.Struct("<QHHBI")
 REWARD_AND_FLAGS = struct.Struct("<dB")
 EPISODE_STEPS = struct.Struct("<I")
+PICTURE_BYTES = struct.Struct("<I")
 FAULT_CODE = struct.Struct("<H")
 
 

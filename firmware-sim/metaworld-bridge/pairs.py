@@ -90,6 +90,10 @@ class Pair:
             judged = watching.judge(self._seen[1], action)
         return self._hidden(), *judged, terminated, truncated
 
+    def marks(self):
+        """Sites that show the goal: none, since nobody is told."""
+        return []
+
     def _hidden(self):
         observation = self._seen[0].copy()
         observation[GOAL] = 0.0

@@ -26,6 +26,9 @@ warnings.filterwarnings("ignore", message="Constant.s. may be too high")
 # How a task is simulated. The episodes are the same, to the bit.
 ENGINES = {"fast": FastTask, "reference": Task}
 
+# Pixels of a picture in either direction.
+LARGEST = 1920
+
 # Rows of a STEP and of what answers it.
 MOVE = np.dtype([("slot", "<u2"), ("action", "<f4", ACTION)])
 OUTCOME = np.dtype([("observation", "<f4", OBSERVATION), ("reward", "<f8"), ("flags", "u1")])
@@ -79,6 +82,21 @@ def read_reset(payload):
     return slot, seed
 
 
+def read_render(payload, model):
+    """The seed, width, height and quality of pictures, and the states to draw: a row of each array for each."""
+    seed, width, height, quality, frames = messages.RENDER_REQUEST.unpack_from(payload)
+    if not (1 <= width <= LARGEST and 1 <= height <= LARGEST and 1 <= quality <= 100):
+        raise ValueError(f"a picture of {width} x {height} pixels and quality {quality}")
+    values = np.frombuffer(payload, "<f8", offset=messages.RENDER_REQUEST.size)
+    widths = [model.nq, 3 * model.nmocap, 4 * model.nmocap]
+    if values.size != frames * sum(widths):
+        raise ValueError(f"{values.size} numbers for {frames} states of {sum(widths)}")
+    qpos, mocap_pos, mocap_quat = np.split(values, np.cumsum([frames * width for width in widths[:2]]))
+    bodies = (frames, model.nmocap)
+    states = qpos.reshape(frames, model.nq), mocap_pos.reshape(*bodies, 3), mocap_quat.reshape(*bodies, 4)
+    return (seed, width, height, quality), states
+
+
 class Session:
     """The open task, once for each slot that an episode was started in."""
 
@@ -87,11 +105,13 @@ class Session:
         self._engine = ENGINES[engine]
         self._tasks = {}
         self._running = set()
+        self._painter = None
         self._serve = {
             messages.OPEN: self._open,
             messages.RESET: self._reset,
             messages.STEP: self._step,
             messages.COLLECT: self._collect,
+            messages.RENDER: self._render,
         }
 
     def serve(self):
@@ -161,8 +181,26 @@ class Session:
         record = collect(task, seed, steps, behaviour)
         return messages.COLLECTED, [messages.EPISODE_STEPS.pack(record.steps), *record.parts()]
 
-    def _made(self, name):
-        return pairs.Pair(name, self._engine) if name in pairs.NAMES else self._engine(name)
+    def _render(self, payload):
+        task = self._opened()
+        how, states = self._parsed(lambda payload: read_render(payload, task.env.model), payload)
+        # Whoever only plays does without: it loads what draws.
+        import render
+
+        try:
+            way = render.open_way()
+            if self._painter is None or self._painter.name != task.name:
+                self._painter = None
+                self._painter = render.Painter(self._made(task.name, Task))
+        except render.NoPictures as error:
+            raise Refusal(messages.NO_PICTURES, str(error)) from error
+        pictures = self._painter.pictures(*how, *states)
+        parts = [part for picture in pictures for part in (messages.PICTURE_BYTES.pack(len(picture)), picture)]
+        return messages.RENDERED, [messages.text(way), *parts]
+
+    def _made(self, name, engine=None):
+        engine = engine or self._engine
+        return pairs.Pair(name, engine) if name in pairs.NAMES else engine(name)
 
     def _parsed(self, parse, payload):
         """What is in a payload, apart from the serving: an error of the simulator's is no bad request."""

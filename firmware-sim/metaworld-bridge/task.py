@@ -96,6 +96,10 @@ class Task:
         observation, reward, terminated, truncated, info = self.env.step(action)
         return observation, reward, info["success"] == 1.0, terminated, truncated
 
+    def marks(self):
+        """Sites that show the goal, by name, and where they belong."""
+        return self.env._target_site_config
+
     def look(self):
         """The observation of the simulator's present state, whoever brought it there."""
         env = self.env

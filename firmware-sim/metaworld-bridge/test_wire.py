@@ -36,7 +36,7 @@ EPISODE = [
 ]
 
 EXPECTED = {
-    "hello": wire.hello(3),
+    "hello": wire.hello(4),
     "ready": wire.frame(messages.READY, 0, messages.text("python=3.11.7 mujoco=3.3.0")),
     "open": wire.frame(messages.OPEN, 1, messages.text("drawer-open-v3")),
     "opened": wire.frame(messages.OPENED, 1, messages.SHAPE.pack(2, 1, 1, 1, 1, 1, 500)),
@@ -53,7 +53,22 @@ EXPECTED = {
     ),
     "collect": wire.frame(messages.COLLECT, 4, messages.COLLECT_REQUEST.pack(0xDEADBEEF, 500, 0.8, 0.8, 0.25, -0.5, 0.0, 1.0, 0.4, 0.98, 1)),
     "collected": wire.frame(messages.COLLECTED, 4, *EPISODE),
-    "fault": wire.frame(messages.FAULT, 5, messages.fault(messages.UNKNOWN_TASK, "no such task")),
+    "render": wire.frame(
+        messages.RENDER,
+        5,
+        messages.RENDER_REQUEST.pack(0xDEADBEEF, 400, 300, 80, 2),
+        struct.pack("<2d", 0.5, -0.5),
+        struct.pack("<6d", 0.5, 1, 2, -0.5, 1, 2),
+        struct.pack("<8d", 1, 0, 1, 0.5, 1, 0, 1, -0.5),
+    ),
+    "rendered": wire.frame(
+        messages.RENDERED,
+        5,
+        messages.text("egl"),
+        messages.PICTURE_BYTES.pack(3) + b"\xff\xd8\xff",
+        messages.PICTURE_BYTES.pack(2) + b"\xff\xd9",
+    ),
+    "fault": wire.frame(messages.FAULT, 6, messages.fault(messages.UNKNOWN_TASK, "no such task")),
 }
 
 

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::episode::{Behaviour, Episode, EpisodeJob};
 use super::frame::{self, FrameError, HEADER_LEN, HELLO_LEN, Header, PROTOCOL_VERSION};
 use super::message::{self, FaultCode, MessageError, Move, Shape, Step, kind};
+use super::picture::{Look, PictureJob, Pictures, State};
 
 const DOCUMENT: &str = include_str!("../../../docs/bridge-protocol.md");
 
@@ -76,7 +77,7 @@ fn the_document_names_the_version_that_the_code_speaks() {
 
 #[test]
 fn the_greeting_is_the_document_s() {
-    assert_eq!(golden()["hello"], frame::hello(3));
+    assert_eq!(golden()["hello"], frame::hello(4));
     let other: [u8; HELLO_LEN] = frame::hello(7);
     assert_eq!(frame::check_hello(&other), Ok(7));
 }
@@ -148,6 +149,41 @@ fn replies_are_read_as_the_document_says() {
         fault,
         Ok((FaultCode::UnknownTask, "no such task".to_owned()))
     );
+}
+
+#[test]
+fn pictures_are_asked_for_and_read_as_the_document_says() {
+    let state = |at: f64| State {
+        qpos: vec![at],
+        mocap_pos: vec![at, 1.0, 2.0],
+        mocap_quat: vec![1.0, 0.0, 1.0, at],
+    };
+    let job = PictureJob {
+        task: "not on the wire".to_owned(),
+        seed: 0xDEAD_BEEF,
+        look: Look {
+            width: 400,
+            height: 300,
+            quality: 80,
+        },
+        states: vec![state(0.5), state(-0.5)],
+    };
+    assert_eq!(
+        golden()["render"],
+        framed(kind::RENDER, 5, &message::render(&job))
+    );
+    let payload = payload_of("rendered", kind::RENDERED);
+    let pictures = Pictures {
+        way: "egl".to_owned(),
+        jpegs: vec![vec![0xFF, 0xD8, 0xFF], vec![0xFF, 0xD9]],
+    };
+    assert_eq!(message::parse_rendered(&payload, 2), Ok(pictures));
+    for states in [1, 3] {
+        assert!(matches!(
+            message::parse_rendered(&payload, states),
+            Err(MessageError::Length { .. })
+        ));
+    }
 }
 
 #[test]

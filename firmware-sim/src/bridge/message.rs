@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::episode::{Behaviour, Episode, EpisodeJob};
+use super::picture::{PictureJob, Pictures};
 
 /// The kinds of frames: requests of the parent, and replies of the worker with the high bit set.
 pub mod kind {
@@ -14,6 +15,8 @@ pub mod kind {
     pub const STEP: u16 = 0x03;
     /// Play a whole episode of the scripted policy.
     pub const COLLECT: u16 = 0x04;
+    /// Draw recorded states.
+    pub const RENDER: u16 = 0x05;
     /// The worker has its simulator; comes once, unasked, with sequence number 0.
     pub const READY: u16 = 0x80;
     /// Answers [`OPEN`].
@@ -24,6 +27,8 @@ pub mod kind {
     pub const STEPPED: u16 = 0x83;
     /// Answers [`COLLECT`].
     pub const COLLECTED: u16 = 0x84;
+    /// Answers [`RENDER`].
+    pub const RENDERED: u16 = 0x85;
     /// Answers any request that cannot be served.
     pub const FAULT: u16 = 0xFF;
 }
@@ -48,6 +53,8 @@ pub enum FaultCode {
     Simulator,
     /// The simulator could not be imported.
     CannotStart,
+    /// No picture can be made on this machine.
+    NoPictures,
     /// A code that this version of the program does not know.
     Other(u16),
 }
@@ -60,6 +67,7 @@ impl From<u16> for FaultCode {
             3 => Self::NoEpisode,
             4 => Self::Simulator,
             5 => Self::CannotStart,
+            6 => Self::NoPictures,
             other => Self::Other(other),
         }
     }
@@ -179,6 +187,24 @@ pub fn collect(job: &EpisodeJob) -> Vec<u8> {
     payload
 }
 
+/// The payload of RENDER: states by array, not by state.
+#[must_use]
+pub fn render(job: &PictureJob) -> Vec<u8> {
+    let mut payload = job.seed.to_le_bytes().to_vec();
+    payload.extend_from_slice(&job.look.width.to_le_bytes());
+    payload.extend_from_slice(&job.look.height.to_le_bytes());
+    payload.push(job.look.quality);
+    let frames = u32::try_from(job.states.len()).unwrap_or(u32::MAX);
+    payload.extend_from_slice(&frames.to_le_bytes());
+    let qpos = job.states.iter().flat_map(|state| &state.qpos);
+    let mocap_pos = job.states.iter().flat_map(|state| &state.mocap_pos);
+    let mocap_quat = job.states.iter().flat_map(|state| &state.mocap_quat);
+    for value in qpos.chain(mocap_pos).chain(mocap_quat) {
+        payload.extend_from_slice(&value.to_le_bytes());
+    }
+    payload
+}
+
 /// Reads the versions out of READY.
 ///
 /// # Errors
@@ -273,6 +299,21 @@ pub fn parse_collected(payload: &[u8], shape: &Shape) -> Result<Episode, Message
         goal: fields.f64s(shape.goal)?,
     };
     fields.end(episode)
+}
+
+/// Reads RENDERED, the answer to this many states.
+///
+/// # Errors
+/// When the payload has another layout.
+pub fn parse_rendered(payload: &[u8], states: usize) -> Result<Pictures, MessageError> {
+    let mut fields = Fields::new(payload);
+    let way = fields.text()?;
+    let mut jpegs = Vec::with_capacity(states);
+    for _ in 0..states {
+        let length = fields.u32()? as usize;
+        jpegs.push(fields.take(length)?.to_vec());
+    }
+    fields.end(Pictures { way, jpegs })
 }
 
 /// Reads FAULT.

@@ -11,6 +11,7 @@ use super::error::{BridgeError, Nonsense};
 use super::frame::PROTOCOL_VERSION;
 use super::link::{Link, LinkError};
 use super::message::{self, FaultCode, MessageError, Move, Shape, Step, kind};
+use super::picture::{PictureJob, Pictures};
 use crate::last_words::{LastWords, Listener};
 
 /// How long a worker may take for anything but a whole episode. Importing the simulator from a cold disk is the slowest.
@@ -183,6 +184,23 @@ impl Worker {
             &message::collect(job),
             patience,
             |payload| message::parse_collected(payload, &shape),
+        )
+    }
+
+    /// Draws recorded states of a task, opening it first if need be. What is played before and after has the same bits.
+    ///
+    /// # Errors
+    /// When there is no such task, no picture can be made on this machine, or the worker fails.
+    pub fn render(&mut self, job: &PictureJob) -> Result<Pictures, BridgeError> {
+        self.open(&job.task)?;
+        let states = job.states.len();
+        let patience = self.patience + PATIENCE_PER_STEP * u32::try_from(states).unwrap_or(0);
+        self.ask(
+            "draw a picture",
+            kind::RENDER,
+            &message::render(job),
+            patience,
+            |payload| message::parse_rendered(payload, states),
         )
     }
 

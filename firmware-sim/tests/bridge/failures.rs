@@ -61,8 +61,8 @@ fn a_worker_of_another_protocol_version_is_refused_with_both_versions() {
     assert!(matches!(
         error,
         BridgeError::ProtocolVersion {
-            expected: 3,
-            actual: 4,
+            expected: 4,
+            actual: 5,
             ..
         }
     ));

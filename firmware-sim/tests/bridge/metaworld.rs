@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use firmware_sim::bridge::speed::{self, Speed};
 use firmware_sim::bridge::{
-    Behaviour, BridgeError, Engine, Environment, EpisodeJob, Pool, Worker, environment,
+    Behaviour, BridgeError, Engine, Environment, EpisodeJob, Look, PictureJob, Pool, State, Worker,
+    environment,
 };
 use firmware_sim::plant::{Plant, PlantError};
 use firmware_sim::plants::metaworld::MetaWorldPlant;
@@ -54,6 +55,59 @@ fn a_recorded_episode_is_made_worse_as_its_behaviour_says() {
 #[test]
 fn two_intentions_in_one_scene_see_the_same_episodes_and_no_goal() {
     passes(ENVIRONMENT.python(), "test_pairs.py");
+}
+
+#[test]
+fn pictures_show_recorded_states_and_leave_no_trace() {
+    passes(ENVIRONMENT.python(), "test_render.py");
+}
+
+#[test]
+fn a_picture_of_a_recorded_state_is_no_single_colour_and_another_state_looks_different() {
+    let mut worker = worker();
+    let job = job("drawer-open-v3", 3, 40);
+    let episode = worker.collect(&job).expect("an episode");
+    let state = |row: usize| {
+        let of = |values: &[f64], width: usize| values[row * width..][..width].to_vec();
+        State {
+            qpos: of(&episode.qpos, episode.shape.qpos),
+            mocap_pos: of(&episode.mocap_pos, 3 * episode.shape.mocap),
+            mocap_quat: of(&episode.mocap_quat, 4 * episode.shape.mocap),
+        }
+    };
+    let pictures = |look, rows: &[usize]| PictureJob {
+        task: job.task.clone(),
+        seed: job.seed,
+        look,
+        states: rows.iter().map(|&row| state(row)).collect(),
+    };
+    let look = Look {
+        width: 160,
+        height: 120,
+        quality: 80,
+    };
+    let drawn = worker.render(&pictures(look, &[0, 40, 0]));
+    let drawn = drawn.expect("Debian's libosmesa6 or libegl1 is installed");
+    assert!(["egl", "osmesa", "cgl"].contains(&drawn.way.as_str()));
+    let [first, last, again] = drawn.jpegs.as_slice() else {
+        panic!("{} pictures", drawn.jpegs.len());
+    };
+    assert!(first != last && first == again);
+    for jpeg in [first, last] {
+        assert!(jpeg.starts_with(&[0xFF, 0xD8]) && jpeg.ends_with(&[0xFF, 0xD9]));
+        // One of a single colour has 1,200 bytes at this size.
+        assert!(jpeg.len() > 3000, "{} bytes", jpeg.len());
+    }
+    assert_eq!(
+        worker.collect(&job).expect("the episode again"),
+        episode,
+        "pictures leave no trace"
+    );
+    let nothing = Look { width: 0, ..look };
+    assert!(matches!(
+        worker.render(&pictures(nothing, &[0])),
+        Err(BridgeError::Refused { .. })
+    ));
 }
 
 #[test]

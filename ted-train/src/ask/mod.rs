@@ -17,6 +17,7 @@ mod aside;
 mod channels;
 mod clip;
 mod error;
+pub mod film;
 mod listener;
 mod person;
 mod session;

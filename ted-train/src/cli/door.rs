@@ -9,6 +9,7 @@ use firmware_sim::failure::Failure;
 use firmware_sim::progress::{Audience, tell};
 
 use super::failures::end;
+use crate::ask::film;
 use crate::ask::web::{End, Listen, Page};
 use crate::ask::{AskError, Numbers, Person, Session, Terminal};
 use crate::fleet::{Datasets, Lane};
@@ -105,7 +106,8 @@ pub(super) fn door(
         return Ok(log);
     }
     let listen = args.listen.unwrap_or_default();
-    let mut page = Page::open(listen, dataset.id(), &by, &clips).map_err(end)?;
+    let studio = film::studio(&dataset, &lane.dataset);
+    let mut page = Page::open(listen, dataset.id(), &by, &clips, studio).map_err(end)?;
     welcome(&page, listen);
     let held = hold(&session, &mut page);
     page.close(match &held {

@@ -3,6 +3,7 @@
 
 mod browser;
 mod chromium;
+mod film;
 mod page;
 
 use std::fs;
@@ -202,6 +203,7 @@ fn whoever_is_not_the_person_sees_nothing_and_changes_nothing() {
         "/app.js",
         "/api/scene",
         "/api/clip/1/left",
+        "/api/film/1",
         "/?token=00",
     ] {
         page.stranger().get(path).with(403);

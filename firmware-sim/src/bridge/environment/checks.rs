@@ -6,7 +6,9 @@ use std::process::{Command, Stdio};
 use super::error::SetupError;
 use super::stamp::Stamp;
 use super::{Environment, is_ready, location, python, python_of, sources};
-use crate::bridge::Worker;
+use crate::bridge::message::FaultCode;
+use crate::bridge::{BridgeError, Look, PictureJob, Worker};
+use crate::tasks;
 
 /// One thing that was looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,7 +49,7 @@ pub fn diagnose() -> Vec<Check> {
             "environment",
             Ok(format!("installed in {place}")),
         ));
-        checks.push(Check::new("simulator", simulator(&venv)));
+        checks.extend(simulator(&venv));
         return checks;
     }
     checks.push(Check::new(
@@ -75,17 +77,48 @@ fn tell<T: ToString>(result: Result<&T, &SetupError>) -> Result<String, String> 
     result.map(T::to_string).map_err(ToString::to_string)
 }
 
-fn simulator(venv: &Path) -> Result<String, String> {
+/// Whether it starts, and if so whether it can draw.
+fn simulator(venv: &Path) -> Vec<Check> {
+    let check = |outcome| Check::new("simulator", outcome);
     let bridge = sources::folder(venv);
     if !bridge.is_dir() {
-        return Ok(
-            "not tried: the first command that needs it writes this version's worker files"
-                .to_owned(),
-        );
+        let untried =
+            "not tried: the first command that needs it writes this version's worker files";
+        return vec![check(Ok(untried.to_owned()))];
     }
-    let worker =
-        Worker::spawn(&Environment::installed(venv, &bridge)).map_err(|error| error.to_string())?;
-    Ok(worker.versions().to_owned())
+    match Worker::spawn(&Environment::installed(venv, &bridge)) {
+        Ok(mut worker) => {
+            let versions = worker.versions().to_owned();
+            vec![
+                check(Ok(versions)),
+                Check::new("pictures", pictures(&mut worker)),
+            ]
+        }
+        Err(error) => vec![check(Err(error.to_string()))],
+    }
+}
+
+/// By which way `ted ask` gets pictures of its clips. Without one it shows numbers.
+fn pictures(worker: &mut Worker) -> Result<String, String> {
+    let none = PictureJob {
+        task: tasks::ALL[0].to_owned(),
+        seed: 0,
+        look: Look {
+            width: 64,
+            height: 48,
+            quality: 80,
+        },
+        states: Vec::new(),
+    };
+    match worker.render(&none) {
+        Ok(pictures) => Ok(format!("drawn without a screen by {}", pictures.way)),
+        Err(BridgeError::Refused {
+            code: FaultCode::NoPictures,
+            message,
+            ..
+        }) => Err(message),
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 /// Asks for one small package with pip and the person's settings, which is the only way to know.

@@ -117,6 +117,25 @@ pub fn ensure(audience: Audience) -> Result<Environment, SetupError> {
     Ok(Environment::installed(&venv, &sources::write(&venv)?))
 }
 
+/// The environment if it is installed; none if it is not, and nothing is installed.
+///
+/// # Errors
+/// When nobody knows where it would be, or the worker's files cannot be written into it.
+pub fn find() -> Result<Option<Environment>, SetupError> {
+    let venv = location()?;
+    if !is_ready(&venv) {
+        return Ok(None);
+    }
+    Ok(Some(Environment::installed(&venv, &sources::write(&venv)?)))
+}
+
+/// Names everything that decides how a state looks in a picture, beside the state: a picture that was kept under another name may
+/// be of another camera.
+#[must_use]
+pub fn drawing_digest() -> String {
+    sources::drawing_digest()
+}
+
 /// Where the virtual environment is or would be, as an absolute path: workers run in another folder than this process.
 ///
 /// # Errors

@@ -15,6 +15,9 @@ pub(super) const INSTALL: &str = "install.py";
 /// The requirements that the environment is made from.
 pub(super) const REQUIREMENTS: &str = "requirements.lock";
 
+/// The files that decide how a state looks in a picture.
+const DRAWING: [&str; 3] = ["cameras.py", "render.py", REQUIREMENTS];
+
 /// The package that `ted doctor` asks the registry for: a few kilobytes.
 pub(super) const SMALL_PACKAGE: &str = "zipp";
 
@@ -24,7 +27,8 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 16] = carried!(
+const FILES: [(&str, &str); 18] = carried!(
+    "cameras.py",
     "collect.py",
     "fast.py",
     "install.py",
@@ -33,6 +37,7 @@ const FILES: [(&str, &str); 16] = carried!(
     "parent.py",
     "quick.py",
     "rebound.py",
+    "render.py",
     "requirements.lock",
     "scalars.py",
     "session.py",
@@ -47,6 +52,11 @@ const FILES: [(&str, &str); 16] = carried!(
 pub(super) fn lock_digest() -> String {
     let lock = FILES.iter().filter(|(name, _)| *name == REQUIREMENTS);
     digest(lock)
+}
+
+/// The digest of what decides how a state looks in a picture.
+pub(super) fn drawing_digest() -> String {
+    digest(FILES.iter().filter(|(name, _)| DRAWING.contains(name)))
 }
 
 /// How many packages the lock file holds, for progress.

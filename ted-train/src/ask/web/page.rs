@@ -13,6 +13,7 @@ use super::scene::{Before, End, Phase, Word};
 use super::server::Server;
 use crate::ask::AskError;
 use crate::ask::clip::ClipSource;
+use crate::ask::film::Studio;
 use crate::ask::person::{Person, Reply, Review, Turn, Verdict};
 use crate::preferences::{Answer, LogEntry};
 
@@ -21,10 +22,11 @@ pub struct Page<'a> {
     desk: Arc<Desk>,
     server: Server,
     clips: &'a dyn ClipSource,
+    studio: Arc<Studio>,
 }
 
 impl<'a> Page<'a> {
-    /// Serves a page about a dataset.
+    /// Serves a page about a dataset, with films from this studio.
     ///
     /// # Errors
     /// When nothing can be served at this address, or there is no randomness for a secret.
@@ -33,13 +35,16 @@ impl<'a> Page<'a> {
         dataset: &str,
         by: &str,
         clips: &'a dyn ClipSource,
+        studio: Studio,
     ) -> Result<Self, AskError> {
         let desk = Arc::new(Desk::new(dataset, by));
-        let server = Server::start(listen, Arc::clone(&desk))?;
+        let studio = Arc::new(studio);
+        let server = Server::start(listen, Arc::clone(&desk), Arc::clone(&studio))?;
         Ok(Self {
             desk,
             server,
             clips,
+            studio,
         })
     }
 
@@ -58,6 +63,8 @@ impl<'a> Page<'a> {
 
 impl Person for Page<'_> {
     fn answer(&mut self, turn: Turn<'_>) -> Reply {
+        // Before the scene that asks for them; until then there is none.
+        self.studio.show(turn.question.query.segments);
         let clips = turn.question.query.segments.map(|segment| {
             let picture = self.clips.picture(segment);
             Bytes::from(serde_json::to_vec(&picture).unwrap_or_default())

@@ -1,4 +1,4 @@
-//! What can be asked of the server: the page's own files, what it shows, its two clips, and one way to say something. Nothing here
+//! What can be asked of the server: the page's own files, what it shows, its two clips, their films, and one way to say something. Nothing here
 //! takes a name of a file.
 
 use std::sync::Arc;
@@ -18,6 +18,7 @@ use super::assets;
 use super::desk::{Desk, TooLate};
 use super::guard::{Entry, Guard, Refusal};
 use super::scene::Word;
+use crate::ask::film::Studio;
 use crate::ask::words::word;
 
 /// Bytes that somebody may say at once.
@@ -48,8 +49,20 @@ const HEADERS: [(&str, &str); 6] = [
 #[derive(Clone)]
 pub(super) struct Shared {
     pub desk: Arc<Desk>,
+    pub studio: Arc<Studio>,
     pub guard: Arc<Guard>,
 }
+
+impl Shared {
+    /// Whether this is the scene that is shown, and it asks something.
+    fn is_asked(&self, at: u64) -> bool {
+        let shown = self.desk.shown();
+        shown.at == at && shown.clips.is_some()
+    }
+}
+
+/// The clips of a scene, as a request names them.
+const SIDES: [&str; 2] = ["left", "right"];
 
 /// Everything there is.
 pub(super) fn router(shared: Shared) -> Router {
@@ -63,6 +76,8 @@ pub(super) fn router(shared: Shared) -> Router {
     router
         .route("/api/scene", get(scene))
         .route("/api/clip/{at}/{side}", get(clip))
+        .route("/api/film/{at}", get(film))
+        .route("/api/film/{at}/{side}/{still}", get(still))
         .route("/api/say", post(say))
         .layer(DefaultBodyLimit::max(BODY))
         .layer(from_fn_with_state(shared.clone(), guarded))
@@ -128,6 +143,30 @@ async fn clip(State(shared): State<Shared>, Path((at, side)): Path<(u64, String)
         (Some([left, _]), "left") => json(left),
         (Some([_, right]), "right") => json(right),
         _ => StatusCode::NOT_FOUND.into_response(),
+    }
+}
+
+/// How far the films of this scene are.
+async fn film(State(shared): State<Shared>, Path(at): Path<u64>) -> Response {
+    match shared.is_asked(at) {
+        true => Json(shared.studio.progress()).into_response(),
+        // It was answered a moment ago, which is no error.
+        false => StatusCode::NO_CONTENT.into_response(),
+    }
+}
+
+/// A still of one of them: only of the scene that is shown, and by its place in the film.
+async fn still(
+    State(shared): State<Shared>,
+    Path((at, side, still)): Path<(u64, String, u32)>,
+) -> Response {
+    if !shared.is_asked(at) {
+        return StatusCode::NO_CONTENT.into_response();
+    }
+    let side = SIDES.iter().position(|name| *name == side);
+    match side.and_then(|side| shared.studio.still(side, still)) {
+        Some(jpeg) => ([(CONTENT_TYPE, "image/jpeg")], jpeg).into_response(),
+        None => StatusCode::NOT_FOUND.into_response(),
     }
 }
 

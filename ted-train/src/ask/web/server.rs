@@ -17,6 +17,7 @@ use super::desk::Desk;
 use super::guard::Guard;
 use super::routes::{Shared, router};
 use crate::ask::AskError;
+use crate::ask::film::Studio;
 
 /// Connections at a time. A page needs two or three.
 const CONNECTIONS: usize = 32;
@@ -41,7 +42,11 @@ impl Server {
     ///
     /// # Errors
     /// When the address is taken or not this machine's, or there is no randomness for a secret.
-    pub(super) fn start(listen: Listen, desk: Arc<Desk>) -> Result<Self, AskError> {
+    pub(super) fn start(
+        listen: Listen,
+        desk: Arc<Desk>,
+        studio: Arc<Studio>,
+    ) -> Result<Self, AskError> {
         let failed = |source| AskError::Listen {
             address: listen.0,
             source,
@@ -57,6 +62,7 @@ impl Server {
             .map_err(failed)?;
         let routes = router(Shared {
             desk: Arc::clone(&desk),
+            studio,
             guard: Arc::new(guard),
         });
         let (stop, stopped) = oneshot::channel();

@@ -10,13 +10,16 @@ mod encode;
 mod id;
 mod metadata;
 mod reader;
+mod states;
 #[cfg(test)]
 mod tests;
 mod writer;
 
 pub use id::DatasetId;
 pub use metadata::{Behaviour, EpisodeNote, Origin};
+pub(crate) use reader::own_folder;
 pub(super) use reader::read;
+pub(crate) use states::states;
 pub use writer::{DatasetWriter, EpisodeError};
 pub(crate) use writer::{finished_origin, is_finished, kept_episode};
 

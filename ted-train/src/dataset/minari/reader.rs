@@ -63,7 +63,7 @@ pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
 }
 
 /// The `data` folder of a dataset, whichever of the two was named.
-fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
+pub(super) fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
     let inner = path.join(DATA);
     if inner.is_dir() {
         Ok(inner)
@@ -74,6 +74,12 @@ fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
             path: path.to_path_buf(),
         })
     }
+}
+
+/// The dataset's own folder, whichever of the two was named.
+pub(crate) fn own_folder(path: &Path) -> PathBuf {
+    let parent = path.parent().filter(|_| !path.join(DATA).is_dir());
+    parent.unwrap_or(path).to_path_buf()
 }
 
 /// The metadata of all episodes in order.

@@ -50,7 +50,7 @@ fn write(root: &Path, order: &[usize]) -> PathBuf {
     writer.finish().unwrap()
 }
 
-fn complete() -> (TempDir, PathBuf) {
+pub(super) fn complete() -> (TempDir, PathBuf) {
     let root = tempfile::tempdir().unwrap();
     let folder = write(root.path(), &[0, 1, 2, 3]);
     (root, folder)

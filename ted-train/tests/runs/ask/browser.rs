@@ -184,6 +184,6 @@ pub fn send(host: &str, what: &str, headers: &[(&str, &str)], body: &str) -> Ans
     Answer {
         status: head.split(' ').nth(1).unwrap().parse().unwrap(),
         head,
-        body: String::from_utf8(body).unwrap(),
+        body: String::from_utf8_lossy(&body).into_owned(),
     }
 }

@@ -11,7 +11,7 @@ use super::{command, toy};
 use crate::command::{ended, kill, lines};
 
 /// Whether the question of this number can be answered.
-fn asked(number: usize) -> String {
+pub(super) fn asked(number: usize) -> String {
     format!(
         "document.title.startsWith('Question {number} of') && !document.getElementById('asking').hidden \
          && !document.querySelector('[data-say=left]').disabled"
@@ -19,7 +19,7 @@ fn asked(number: usize) -> String {
 }
 
 /// Whether the page lists all answers.
-const REVIEW: &str =
+pub(super) const REVIEW: &str =
     "document.title.startsWith('Every question') && !document.getElementById('done').hidden";
 
 #[test]

@@ -2,6 +2,7 @@
 
 import * as server from "/server.js";
 import { Player, SPEEDS } from "/player.js";
+import { Films } from "/film.js";
 import { View, colour, drawSpace, surface } from "/space.js";
 import { drawPlots, layOut } from "/plots.js";
 
@@ -17,6 +18,9 @@ let pictures = null;
 let settled = 0;
 const view = new View();
 const player = new Player(draw);
+const films = new Films(showFilms);
+/// What somebody would rather see.
+let preferred = "film";
 
 function fill(name, values = {}) {
   return Object.entries(values).reduce((text, [key, value]) => text.replaceAll(`{${key}}`, value), words[name] ?? name);
@@ -44,6 +48,7 @@ function dress() {
   label(get("forward"), "key-forward");
   get("back").setAttribute("aria-label", words.back);
   get("forward").setAttribute("aria-label", words.forward);
+  label(get("film"), "show-numbers", "key-film");
   label(get("copy"), "copy");
   label(get("done"), "done", "key-done");
   get("playback").setAttribute("aria-label", words["player-label"]);
@@ -57,16 +62,19 @@ function dress() {
 /// Draws a frame of both clips, and where in them that is.
 function draw(frame) {
   if (!pictures) return;
+  const filmed = inPictures();
   pictures.forEach((picture, i) => {
-    const canvas = figures[i].querySelector(".space");
-    if (picture.places.length) drawSpace(canvas, picture, frame, view);
+    const canvas = figures[i].querySelector(filmed ? ".film" : ".space");
+    const now = Math.min(frame, picture.frames - 1);
+    if (filmed) films.draw(canvas, i, now * picture.stride);
+    else if (picture.places.length) drawSpace(canvas, picture, frame, view);
     canvas.setAttribute("aria-label", fill("clip-label", {
       side: words[i ? "right-heading" : "left-heading"],
       episode: picture.episode,
-      frame: Math.min(frame, picture.frames - 1) + 1,
+      frame: now + 1,
       frames: picture.frames,
     }));
-    drawPlots(figures[i].querySelector(".plots"), picture, frame);
+    if (!filmed) drawPlots(figures[i].querySelector(".plots"), picture, frame);
   });
   get("scrub").value = frame;
   const [now, all] = [frame, player.frames - 1].map((it) => (it * player.period).toFixed(2));
@@ -75,6 +83,32 @@ function draw(frame) {
   label(get("play"), player.playing ? "pause" : "play", "key-play");
   get("speed").value = player.speed;
   drawSeen();
+}
+
+function inPictures() {
+  return preferred === "film" && films.ready;
+}
+
+/// Shows pictures or numbers, whichever is preferred and there, and says how far the pictures are.
+function showFilms() {
+  if (!pictures) return;
+  const filmed = inPictures();
+  figures.forEach((figure, i) => {
+    figure.querySelector(".film").hidden = !filmed;
+    figure.querySelector(".space").hidden = filmed || !pictures[i].places.length;
+    figure.querySelector(".plots").hidden = filmed;
+  });
+  get("view").hidden = filmed || !pictures[0].places.length;
+  get("still").hidden = filmed;
+  const focused = document.activeElement === get("film");
+  get("film").hidden = !films.ready;
+  if (focused && get("film").hidden) get("title").focus({ preventScroll: true });
+  label(get("film"), filmed ? "show-numbers" : "show-pictures", "key-film");
+  const { trouble, first, all } = films.progress ?? {};
+  const [made, of] = (films.ready ? all : first) ?? [0, 0];
+  const making = made < of ? fill(films.ready ? "film-finer" : "film-first", { made, of }) : "";
+  get("film-note").textContent = trouble ? fill("no-film", { why: trouble }) : making;
+  draw(player.frame);
 }
 
 function drawSeen() {
@@ -104,6 +138,7 @@ async function show(next) {
   showSaid();
   if (scene.phase !== "asking") {
     pictures = null;
+    films.clear();
     player.load(0, 1);
   }
   if (scene.phase === "looking" || scene.phase === "thinking") {
@@ -138,14 +173,14 @@ async function ask() {
     const clip = { episode: picture.episode, from: picture.start, to };
     figures[i].querySelector(".clip-name").textContent = fill("clip", clip);
     figures[i].querySelector(".plots").setAttribute("aria-label", `${words[i ? "right-heading" : "left-heading"]}: ${words.plots}`);
-    figures[i].querySelector(".space").hidden = !picture.places.length;
   });
-  get("view").hidden = !pictures[0].places.length;
   const still = layOut(figures.map((it) => it.querySelector(".plots")), pictures, words);
   get("still").textContent = still.length ? fill("still", { names: still.join(", ") }) : "";
   const frames = Math.max(...pictures.map((it) => it.frames));
   get("scrub").max = frames - 1;
   player.begin(frames, pictures[0].period_s);
+  films.begin(at);
+  showFilms();
   settled = performance.now() + SETTLE_MS;
   setTimeout(() => {
     for (const button of says) button.disabled = button.dataset.say === "undo" && !scene.said.length;
@@ -201,7 +236,10 @@ async function say(word) {
 }
 
 function press(name) {
-  if (scene?.phase === "asking" && pictures) {
+  if (name === "film") {
+    if (films.ready) preferred = preferred === "film" ? "numbers" : "film";
+    showFilms();
+  } else if (scene?.phase === "asking" && pictures) {
     if (name !== "undo") say({ say: name });
     else if (scene.said.length) say({ say: "reopen", place: scene.said.length - 1 });
   } else if (scene?.phase === "review" && name === "undo" && scene.said.length) {
@@ -211,7 +249,7 @@ function press(name) {
 
 const KEYS = {
   1: () => press("left"), 2: () => press("right"), 3: () => press("equal"), 4: () => press("cannot-tell"),
-  5: () => press("later"), u: () => press("undo"), " ": () => player.toggle(), ArrowLeft: () => player.step(-1),
+  5: () => press("later"), u: () => press("undo"), p: () => press("film"), " ": () => player.toggle(), ArrowLeft: () => player.step(-1),
   ArrowRight: () => player.step(1), "+": () => speed(1), "=": () => speed(1), "-": () => speed(-1),
 };
 
@@ -224,6 +262,7 @@ function listen() {
   for (const button of says) button.addEventListener("click", () => press(button.dataset.say));
   get("done").addEventListener("click", () => say({ say: "done" }));
   get("play").addEventListener("click", () => player.toggle());
+  get("film").addEventListener("click", () => press("film"));
   get("back").addEventListener("click", () => player.step(-1));
   get("forward").addEventListener("click", () => player.step(1));
   get("scrub").addEventListener("input", (event) => player.seek(Number(event.target.value)));

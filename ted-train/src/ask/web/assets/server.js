@@ -20,6 +20,18 @@ export async function clips(at) {
   return Promise.all(both.map((response) => response.json()));
 }
 
+/// How far the films of a scene are; null when it is over.
+export async function film(at) {
+  const response = await fetch(`/api/film/${at}`);
+  if (!response.ok) throw new Error(await response.text());
+  return response.status === 204 ? null : response.json();
+}
+
+/// Where a still of one of them is.
+export function still(at, side, still) {
+  return `/api/film/${at}/${["left", "right"][side]}/${still}`;
+}
+
 /// Says something about a scene. False when that came too late.
 export async function say(at, word) {
   const response = await fetch("/api/say", {
