@@ -10,17 +10,20 @@ use firmware_sim::output::OutputArgs;
 use firmware_sim::rollout::normalised_score;
 use firmware_sim::tasks;
 
-use crate::quickstart::{Quickstart, QuickstartConfig, quickstart};
+use crate::fleet::Datasets;
+use crate::quickstart::{Quickstart, QuickstartConfig, quickstart, record};
 use crate::reward::episodes::Confidence;
 
 use super::collect::workers;
 use super::crosscheck::{text as crosscheck_text, verdict};
+use super::door::{DoorArgs, Errand, door};
 use super::failures::end;
 use super::table::{Align, Table};
 
 const EXAMPLES: &str = "\
 Examples:
   ted quickstart
+  ted quickstart --task drawer-open-v3 --ask        you answer, on a web page
   ted quickstart --task drawer-open-v3 --episodes 1000 --steps 20000
   ted quickstart --json
 
@@ -52,6 +55,11 @@ pub(super) struct QuickstartArgs {
     /// Simulator processes; all cores if not given. Changes nothing but the time
     #[arg(long)]
     workers: Option<NonZeroUsize>,
+    /// Answer the questions yourself, on a web page of this machine
+    #[arg(long)]
+    ask: bool,
+    #[command(flatten)]
+    door: DoorArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -65,8 +73,22 @@ pub(super) fn run(args: &QuickstartArgs) -> Result<(), Failure> {
         steps: args.steps,
         seed: args.seed,
         workers: workers(args.workers),
+        asked: args.ask,
     };
-    let report = quickstart(&config, args.output.audience()).map_err(end)?;
+    args.door.check(args.ask)?;
+    let audience = args.output.audience();
+    let logs = record(&config, audience).map_err(end)?;
+    if args.ask {
+        let lane = config.lane(&logs).map_err(end)?;
+        door(
+            &lane,
+            &Datasets::default(),
+            &args.door,
+            Errand::Train,
+            audience,
+        )?;
+    }
+    let report = quickstart(&config, &logs, audience).map_err(end)?;
     args.output.print(&report, || text(&report))?;
     verdict(&report.crosscheck)
 }

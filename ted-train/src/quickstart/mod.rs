@@ -7,16 +7,17 @@ mod narrator;
 
 use std::path::{Path, PathBuf};
 
-use firmware_sim::bridge::environment::{self, SetupError};
+use firmware_sim::bridge::environment::{self, Environment, SetupError};
 use firmware_sim::controller::Numeric;
 use firmware_sim::progress::Audience;
 use serde::Serialize;
 
-use crate::collect::{self, CollectConfig, CollectError, PartReport, Recipe};
+use crate::collect::{self, CollectConfig, CollectError, CollectReport, PartReport, Recipe};
 use crate::config::{Config, ConfigError, Preset};
 use crate::crosscheck::{Crosscheck, CrosscheckConfig, CrosscheckError, crosscheck};
 use crate::dataset::{Dataset, DatasetError};
 use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate_once};
+use crate::fleet::Lane;
 use crate::preferences::{ScriptedTeacher, Teacher};
 use crate::report::{ReportError, report};
 use crate::reward::episodes::Confidence;
@@ -50,6 +51,16 @@ pub struct QuickstartConfig {
     pub seed: u64,
     /// Simulator processes.
     pub workers: usize,
+    /// Whether a person answers, and not the simulated teacher.
+    pub asked: bool,
+}
+
+/// What a quickstart learns from.
+#[derive(Debug)]
+pub struct Logs {
+    environment: Environment,
+    scripted: CollectReport,
+    collected: CollectReport,
 }
 
 /// What came of it.
@@ -121,6 +132,20 @@ impl QuickstartConfig {
         self.reduced(Preset::default())
     }
 
+    /// The run, for who asks its questions.
+    ///
+    /// # Errors
+    /// When the number of updates is zero.
+    pub fn lane(&self, logs: &Logs) -> Result<Lane, ConfigError> {
+        Ok(Lane {
+            dataset: logs.collected.folder.clone(),
+            config: self.training()?,
+            folder: self.run_folder(Preset::default()),
+            answers: None,
+            siblings: Vec::new(),
+        })
+    }
+
     fn reduced(&self, preset: Preset) -> Result<Config, ConfigError> {
         let mut config = Config {
             seed: self.seed,
@@ -148,36 +173,64 @@ impl QuickstartConfig {
     /// One folder for each choice, so that another size is another run.
     fn run_folder(&self, preset: Preset) -> PathBuf {
         let (episodes, steps, seed) = (self.episodes, self.steps, self.seed);
-        let name = format!("{}-n{episodes}-u{steps}-s{seed}", preset.name());
+        let asked = if self.asked && preset != Preset::Bc {
+            "-asked"
+        } else {
+            ""
+        };
+        let name = format!("{}-n{episodes}-u{steps}-s{seed}{asked}", preset.name());
         self.out.join(&self.task).join(name)
     }
 }
 
-/// Collects, asks, learns, exports, cross-checks and flies.
+/// Sets up the simulator and records the logs: the first two of six stages.
+///
+/// # Errors
+/// When a stage fails or is interrupted; what is complete is kept, and the same call goes on.
+pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, QuickstartError> {
+    stage(audience, 1, "set up the simulator");
+    let environment = environment::ensure(audience)?;
+
+    stage(
+        audience,
+        2,
+        "record the scripted policy, and what a bad robot would do",
+    );
+    let collected = |recipe, episodes| {
+        collect::run(&config.collection(recipe, episodes), &environment, audience)
+    };
+    let scripted = collected(Recipe::Expert, SCRIPTED_EPISODES)?;
+    let collected = collected(Recipe::Paper, config.episodes)?;
+    Ok(Logs {
+        environment,
+        scripted,
+        collected,
+    })
+}
+
+fn stage(audience: Audience, number: u32, what: &str) {
+    audience.note(&format!("\n[{number}/6] {what}"));
+}
+
+/// Asks, learns, exports, flies and cross-checks: the other four stages. What a person has answered in the run's folder is not asked.
 ///
 /// # Errors
 /// When a stage fails or is interrupted; what is complete is kept, and the same call goes on.
 pub fn quickstart(
     config: &QuickstartConfig,
+    logs: &Logs,
     audience: Audience,
 ) -> Result<Quickstart, QuickstartError> {
+    let Logs {
+        environment,
+        scripted,
+        collected,
+    } = logs;
     let training = config.training()?;
-    let stage = |number: u32, what: &str| audience.note(&format!("\n[{number}/6] {what}"));
-
-    stage(1, "set up the simulator");
-    let environment = environment::ensure(audience)?;
-
-    stage(
-        2,
-        "record the scripted policy, and what a bad robot would do",
-    );
-    let scripted = config.collection(Recipe::Expert, SCRIPTED_EPISODES);
-    let scripted = collect::run(&scripted, &environment, audience)?;
-    let collection = config.collection(Recipe::Paper, config.episodes);
-    let collected = collect::run(&collection, &environment, audience)?;
     let dataset = Dataset::open(&collected.folder)?;
 
     stage(
+        audience,
         3,
         "look at the logs, ask ten questions, and learn a policy that the answers steer",
     );
@@ -202,10 +255,14 @@ pub fn quickstart(
         ));
     }
 
-    stage(4, "clone the same logs without asking, for comparison");
+    stage(
+        audience,
+        4,
+        "clone the same logs without asking, for comparison",
+    );
     let clone = learned(&config.reduced(Preset::Bc)?, &mut teacher)?;
 
-    stage(5, "fly both");
+    stage(audience, 5, "fly both");
     let plan = FlightPlan {
         episodes: FLOWN_EPISODES,
         seed: config.seed,
@@ -219,7 +276,7 @@ pub fn quickstart(
     };
     let (trained, cloned) = (flown(&folder)?, flown(&clone)?);
 
-    stage(6, "is what flew what was trained?");
+    stage(audience, 6, "is what flew what was trained?");
     let check = CrosscheckConfig {
         sample: None,
         episodes: CHECKED_EPISODES,
@@ -234,8 +291,8 @@ pub fn quickstart(
         task: config.task.clone(),
         beats_dataset: trained.return_mean > dataset.mean_return_true(),
         beats_clone: trained.return_mean > cloned.return_mean,
-        dataset: collected.mix,
-        scripted: scripted.mix,
+        dataset: collected.mix.clone(),
+        scripted: scripted.mix.clone(),
         cloned,
         trained,
         confidence: reward.confidence,
@@ -273,6 +330,7 @@ mod tests {
             steps: 7,
             seed: 5,
             workers: 1,
+            asked: false,
         }
     }
 

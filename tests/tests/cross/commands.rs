@@ -59,6 +59,19 @@ fn a_quickstart_goes_all_the_way_and_every_command_works_on_what_it_wrote() {
     // What is done is not done again, and comes out the same.
     assert_eq!(json(&mut ted(at, &quickstart), &[0]), report);
 
+    // Who answers has a run of their own beside it.
+    fs::write(at.join("keys"), "1\n".repeat(10) + "\n").unwrap();
+    let keys = fs::File::open(at.join("keys")).unwrap();
+    let asked = [&quickstart[..], &["--ask", "--text", "--by", "anna"]].concat();
+    let asked = json(ted(at, &asked).stdin(keys), &[0]);
+    let answers = fs::read_to_string(at.join(written(&asked, "questions"))).unwrap();
+    let hers = |line: &str| line.contains("\"by\":\"anna\"") && line.contains("\"answer\":0");
+    assert!(
+        answers.lines().count() == 10 && answers.lines().all(hers),
+        "{answers}"
+    );
+    assert_eq!(written(&asked, "clone"), written(&report, "clone"));
+
     let (policy, data) = (written(&report, "artefact"), written(&report, "dataset"));
     let run = Path::new(policy).parent().unwrap().to_str().unwrap();
     for (path, kind) in [(policy, "artefact"), (run, "run"), (data, "dataset")] {
