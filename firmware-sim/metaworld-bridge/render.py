@@ -81,6 +81,8 @@ def made(way):
     # MuJoCo reads the variable when it loads OpenGL. PyOpenGL chooses a library when it is imported, and Gymnasium has imported it.
     os.environ["MUJOCO_GL"] = way
     os.environ.pop("PYOPENGL_PLATFORM", None)
+    # Mesa would keep what it compiles in the folder of the user's caches, and nobody asked for anything there.
+    os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
     for name in [name for name in sys.modules if name.partition(".")[0] == "OpenGL"]:
         del sys.modules[name]
     try:
