@@ -256,7 +256,6 @@ impl Ends for QuickstartError {
             Self::Train(error) => error.exit_code(),
             Self::Evaluate(error) => error.exit_code(),
             Self::Crosscheck(error) => error.exit_code(),
-            Self::Report(error) => error.exit_code(),
         }
     }
 }

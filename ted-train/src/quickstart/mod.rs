@@ -19,7 +19,7 @@ use crate::dataset::{Dataset, DatasetError};
 use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate_once};
 use crate::fleet::Lane;
 use crate::preferences::{ScriptedTeacher, Teacher};
-use crate::report::{ReportError, report};
+use crate::report::report;
 use crate::reward::episodes::Confidence;
 use crate::run::{DatasetReference, EVALUATION, PREFERENCES, REPORT, RunError, RunFolder};
 use crate::train::{RewardReport, TrainError, train};
@@ -119,8 +119,6 @@ pub enum QuickstartError {
     Evaluate(#[from] EvaluateError),
     /// Cross-checking.
     Crosscheck(#[from] CrosscheckError),
-    /// Telling what became of it.
-    Report(#[from] ReportError),
 }
 
 impl QuickstartConfig {
@@ -284,7 +282,10 @@ pub fn quickstart(
     };
     let crosscheck = crosscheck(&folder, &dataset, &check, audience)?;
     folder.write_json("crosscheck.json", &crosscheck)?;
-    report(&folder, &dataset, &folder.file(REPORT), audience)?;
+    // The run is what it is without its page.
+    if let Err(error) = report(&folder, &dataset, &folder.file(REPORT), audience) {
+        audience.note(&format!("there is no report: {error}"));
+    }
 
     let reward: RewardReport = folder.read_json("reward.json")?;
     Ok(Quickstart {
@@ -303,7 +304,7 @@ pub fn quickstart(
 
 fn written(dataset: &Path, scripted: &Path, clone: &RunFolder, folder: &RunFolder) -> Vec<Written> {
     let entry = |what, path: PathBuf| Written { what, path };
-    vec![
+    let all = [
         entry("dataset", dataset.to_path_buf()),
         entry("scripted policy", scripted.to_path_buf()),
         entry("clone", clone.path().to_path_buf()),
@@ -315,7 +316,8 @@ fn written(dataset: &Path, scripted: &Path, clone: &RunFolder, folder: &RunFolde
         entry("evaluation", folder.file(EVALUATION)),
         entry("cross-check", folder.file("crosscheck.json")),
         entry("report, to look at", folder.file(REPORT)),
-    ]
+    ];
+    all.into_iter().filter(|it| it.path.exists()).collect()
 }
 
 #[cfg(test)]

@@ -72,11 +72,17 @@ impl Facts {
         let run = RunText::read(folder)?;
         let numbers = Numbers::of(dataset);
         let clone = clone_of(folder, &run);
+        let rewarded = dataset.only_reward().is_none();
         let confidence = run
             .reward
             .as_ref()
             .and_then(|reward| reward.confidence.as_ref());
-        let verdict = Verdict::new(run.evaluation.as_ref(), clone.as_ref(), confidence);
+        let verdict = Verdict::new(
+            run.evaluation.as_ref(),
+            clone.as_ref(),
+            confidence,
+            rewarded,
+        );
         let held = |name: &str| folder.file(name).is_file();
         let integers = held(QUANTISATION)
             .then(|| folder.read_json(QUANTISATION))
@@ -145,26 +151,24 @@ fn predicted(
 }
 
 /// How a clone of the same logs flew, if there is one where `ted train`, a study or `ted quickstart` puts it: beside the run, or
-/// beside the folder of its preset. Of several, that of the same seed.
+/// beside the folder of its preset. Of several, that of the same seed, and then of as many updates.
 fn clone_of(folder: &RunFolder, run: &RunText) -> Option<Evaluation> {
-    let parent = folder.path().parent()?;
+    // A short relative path has no parent to look in.
+    let own = folder.path().canonicalize().ok()?;
+    let parent = own.parent()?;
     let beside = entries(parent);
     let presets = parent.parent().map(entries).unwrap_or_default();
     let under = presets
         .iter()
         .filter(|path| named_bc(path))
         .flat_map(|path| entries(path));
-    let mut clones: Vec<(bool, PathBuf, Evaluation)> = beside
+    let clones = beside
         .into_iter()
         .filter(|path| named_bc(path))
         .chain(under)
-        .filter_map(|path| clone_in(path, run))
-        .collect();
-    clones.sort_by(|a, b| (!a.0, &a.1).cmp(&(!b.0, &b.1)));
-    clones
-        .into_iter()
-        .next()
-        .map(|(_, _, evaluation)| evaluation)
+        .filter(|path| *path != own)
+        .filter_map(|path| clone_in(path, run));
+    clones.min_by(|a, b| a.0.cmp(&b.0)).map(|(_, flown)| flown)
 }
 
 /// Whether this is the folder of clones or of one.
@@ -178,18 +182,21 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     entries.map(|entry| entry.path()).collect()
 }
 
-/// Whether the clone in this folder has the seed of the run, the folder, and how it flew.
-fn clone_in(path: PathBuf, run: &RunText) -> Option<(bool, PathBuf, Evaluation)> {
+/// How far the clone in this folder is from the run (another seed, another number of updates, its path), and how it flew.
+fn clone_in(path: PathBuf, run: &RunText) -> Option<((bool, bool, PathBuf), Evaluation)> {
     let folder = RunFolder::open(&path).ok()?;
     let config = Config::read(&folder.config_path()).ok()?;
     let dataset: DatasetReference = folder.read_json(DATASET).ok()?;
     let flown: Evaluation = folder.read_json(EVALUATION).ok()?;
     let ours = run.evaluation.as_ref()?;
-    let same = dataset.digest == run.dataset.digest
-        && config.reward.is_none()
-        && flown.task == ours.task
-        && path != run.path;
-    same.then_some((config.seed == run.config.seed, path, flown))
+    let same =
+        dataset.digest == run.dataset.digest && config.reward.is_none() && flown.task == ours.task;
+    let far = (
+        config.seed != run.config.seed,
+        config.algorithm.steps() != run.steps,
+        path,
+    );
+    same.then_some((far, flown))
 }
 
 /// Every number that the run wrote down while it learned.

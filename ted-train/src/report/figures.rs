@@ -114,21 +114,25 @@ pub(super) fn histogram(predicted: &Predicted) -> Result<String, ReportError> {
     })
 }
 
-/// The return of every flight, of the policy and of a clone, beside the mean and the largest return of the logs.
+/// The return of every flight, of the policy and of a clone, beside the mean and the largest return of the logs if they have any.
 pub(super) fn flights(
     flown: &Evaluation,
     clone: Option<&Evaluation>,
+    rewarded: bool,
 ) -> Result<String, ReportError> {
     let rows: Vec<(&str, &[f64])> = [("policy", Some(flown)), ("clone", clone)]
         .into_iter()
         .filter_map(|(name, it)| Some((name, it?.returns.as_slice())))
         .collect();
-    let marks = [flown.dataset_mean, flown.dataset_max];
+    let marks = match rewarded {
+        true => vec![flown.dataset_mean, flown.dataset_max],
+        false => Vec::new(),
+    };
     let all: Vec<f64> = rows
         .iter()
         .flat_map(|(_, returns)| *returns)
         .copied()
-        .chain(marks)
+        .chain(marks.iter().copied())
         .collect();
     let height = 90 + 60 * u32::try_from(rows.len()).unwrap_or(1);
     drawn((SIZE.0, height), |root| {
@@ -146,9 +150,12 @@ pub(super) fn flights(
             .y_label_formatter(&tick)
             .disable_y_mesh()
             .y_labels(0)
-            .x_desc("return of a flight; lines: mean and largest return of the logs")
+            .x_desc(match rewarded {
+                true => "return of a flight; lines: mean and largest return of the logs",
+                false => "return of a flight",
+            })
             .draw()?;
-        for mark in marks {
+        for &mark in &marks {
             chart.draw_series(LineSeries::new([(mark, 0.0), (mark, top)], LINE))?;
         }
         for (row, (name, returns)) in rows.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! The page.
 
+use firmware_sim::rollout::normalised_score;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ReportError;
@@ -40,7 +41,7 @@ pub(super) fn page(facts: &Facts) -> Result<Markup, ReportError> {
                     @if let Some(confidence) = run.reward.as_ref().and_then(|reward| reward.confidence.as_ref()) {
                         p { "What the answers say: " (confidence.in_words()) "." }
                     }
-                    @if let Some(flown) = &run.evaluation { (flights(flown, facts.clone.as_ref())?) }
+                    @if let Some(flown) = &run.evaluation { (flights(flown, facts.clone.as_ref(), facts.verdict.logs.is_some())?) }
                     @if !facts.asked.is_empty() { (asked(&facts.asked)) }
                     @if let Some(predicted) = &facts.predicted { (predictions(facts, predicted)?) }
                     @if !facts.curves.is_empty() { (curves(&facts.curves)?) }
@@ -56,7 +57,12 @@ fn plot(svg: String, label: &str) -> Markup {
     html! { figure .plot role="img" aria-label=(label) { (PreEscaped(svg)) } }
 }
 
-fn flights(flown: &Evaluation, clone: Option<&Evaluation>) -> Result<Markup, ReportError> {
+fn flights(
+    flown: &Evaluation,
+    clone: Option<&Evaluation>,
+    rewarded: bool,
+) -> Result<Markup, ReportError> {
+    let of_logs = normalised_score(flown.dataset_mean, flown.dataset_max);
     let row = |name: &str, it: &Evaluation| {
         html! {
             tr {
@@ -77,12 +83,17 @@ fn flights(flown: &Evaluation, clone: Option<&Evaluation>) -> Result<Markup, Rep
                 tbody {
                     (row("this policy", flown))
                     @if let Some(clone) = clone { (row("a clone of the same logs", clone)) }
-                    tr { th scope="row" { "an episode of the logs" } td {} td { (format!("{:.0}", flown.dataset_mean)) }
-                        td { (format!("{:.2}", flown.dataset_mean / flown.dataset_max)) } td {} td {} }
+                    @if rewarded {
+                        tr { th scope="row" { "an episode of the logs" } td {} td { (format!("{:.0}", flown.dataset_mean)) }
+                            td { (of_logs.map_or("-".to_owned(), |score| format!("{score:.2}"))) } td {} td {} }
+                    }
                 }
             }
-            p .small { "Return: mean and standard deviation. Score: mean return over the largest return in the logs, " (format!("{:.0}", flown.dataset_max)) "." }
-            (plot(figures::flights(flown, clone)?, "the return of every flight, beside mean and largest return of the logs"))
+            p .small {
+                "Return: mean and standard deviation."
+                @if rewarded { " Score: mean return over the largest return in the logs, " (format!("{:.0}", flown.dataset_max)) "." }
+            }
+            (plot(figures::flights(flown, clone, rewarded)?, "the return of every flight, beside mean and largest return of the logs"))
         }
     })
 }

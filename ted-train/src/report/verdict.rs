@@ -9,7 +9,7 @@ use crate::statistics::{Estimate, mean};
 /// What the flights say of a policy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
-    /// Beside an average episode of the logs; none if it was not flown.
+    /// Beside an average episode of the logs; none if it was not flown, or the logs have no rewards.
     pub logs: Option<Comparison>,
     /// Beside a clone of the logs that flew; none if either was not flown.
     pub imitation: Option<Comparison>,
@@ -29,12 +29,13 @@ pub struct Comparison {
 }
 
 impl Verdict {
-    /// From the flights of the policy, those of a clone of the same logs, and what the answers say.
+    /// From the flights of the policy, those of a clone of the same logs, what the answers say, and whether the logs have rewards.
     #[must_use]
     pub fn new(
         flown: Option<&Evaluation>,
         clone: Option<&Evaluation>,
         confidence: Option<&Confidence>,
+        rewarded: bool,
     ) -> Self {
         let Some(flown) = flown else {
             return Self {
@@ -43,11 +44,11 @@ impl Verdict {
                 words: unflown(confidence),
             };
         };
-        let logs = Comparison::with_logs(flown);
+        let logs = rewarded.then(|| Comparison::with_logs(flown));
         let imitation = clone.map(|clone| Comparison::with_flights(flown, clone));
         Self {
             words: words(flown, logs, imitation),
-            logs: Some(logs),
+            logs,
             imitation,
         }
     }
@@ -103,20 +104,29 @@ fn difference(groups: &[Vec<f64>]) -> f64 {
     mean(std::slice::from_ref(first)) - mean(std::slice::from_ref(second))
 }
 
-fn words(flown: &Evaluation, logs: Comparison, imitation: Option<Comparison>) -> String {
-    let beside = match imitation {
+fn words(flown: &Evaluation, logs: Option<Comparison>, imitation: Option<Comparison>) -> String {
+    let flights = format!(
+        "{} flights return {:.0} on average",
+        flown.returns.len(),
+        flown.return_mean
+    );
+    let beside_logs = match logs {
+        Some(logs) => format!(
+            "This policy is {}: {flights}, an episode of the logs {:.0}.",
+            logs.in_words("the logs"),
+            logs.other
+        ),
+        None => {
+            format!("The logs have no rewards that this policy could be compared with: {flights}.")
+        }
+    };
+    let beside_clone = match imitation {
         Some(imitation) => format!("It is {}.", imitation.in_words("imitating them")),
         None => "Whether it is better than imitating them is not known: no clone of these logs was flown beside it (`ted train` \
                  with --preset bc makes one)."
             .to_owned(),
     };
-    format!(
-        "This policy is {}: {} flights return {:.0} on average, an episode of the logs {:.0}. {beside}",
-        logs.in_words("the logs"),
-        flown.returns.len(),
-        flown.return_mean,
-        logs.other
-    )
+    format!("{beside_logs} {beside_clone}")
 }
 
 fn unflown(confidence: Option<&Confidence>) -> String {
@@ -157,7 +167,7 @@ mod tests {
         let good = flown(&[500.0, 510.0, 490.0, 505.0]);
         let bad = flown(&[50.0, 40.0, 60.0, 45.0]);
         let wavering = flown(&[0.0, 250.0, 10.0, 200.0]);
-        let of = |flown, clone| Verdict::new(Some(flown), clone, None).words;
+        let of = |flown, clone| Verdict::new(Some(flown), clone, None, true).words;
         let words = of(&good, Some(&bad));
         assert!(
             words.starts_with("This policy is better than the logs, by 401 (95 % interval"),
@@ -186,7 +196,7 @@ mod tests {
 
     #[test]
     fn one_flight_tells_nothing_and_none_leaves_what_the_answers_say() {
-        let verdict = Verdict::new(Some(&flown(&[500.0])), None, None);
+        let verdict = Verdict::new(Some(&flown(&[500.0])), None, None, true);
         assert_eq!(verdict.logs.unwrap().interval, None);
         assert!(
             verdict.words.contains("one flight does not tell"),
@@ -201,10 +211,17 @@ mod tests {
             better: 0.99,
             leaves_the_logs: true,
         };
-        let verdict = Verdict::new(None, None, Some(&confidence));
+        let verdict = Verdict::new(None, None, Some(&confidence), true);
         assert!(verdict.words.contains("by 10 answers"), "{}", verdict.words);
+        let unrewarded = Verdict::new(Some(&flown(&[500.0, 400.0])), None, None, false);
+        assert_eq!(unrewarded.logs, None);
         assert!(
-            Verdict::new(None, None, None)
+            unrewarded.words.contains("no rewards"),
+            "{}",
+            unrewarded.words
+        );
+        assert!(
+            Verdict::new(None, None, None, true)
                 .words
                 .contains("Nothing is known")
         );

@@ -58,7 +58,7 @@ impl QueryStrategy for MostInformative<'_> {
         &self,
         sampler: &SegmentSampler,
         untold: Untold<'_>,
-        mut rng: &mut dyn Rng,
+        rng: &mut dyn Rng,
     ) -> Option<[Segment; 2]> {
         let best = &self.best;
         let count = self.episodes.len();
@@ -89,7 +89,9 @@ impl QueryStrategy for MostInformative<'_> {
         let information: Vec<f64> = pool.iter().map(|&pair| self.information(pair)).collect();
         match ranking(&information).first() {
             Some(&most) => Some(pool[most].map(|episode| self.episodes[episode])),
-            None => RandomPair.choose(sampler, untold, &mut rng),
+            None => self
+                .any_new(sampler, untold, rng)
+                .or_else(|| RandomPair.choose(sampler, untold, rng)),
         }
     }
 
@@ -115,6 +117,17 @@ impl QueryStrategy for MostInformative<'_> {
 }
 
 impl MostInformative<'_> {
+    /// Any pair that nobody was asked about, where it is found among as many as the pool has.
+    fn any_new(
+        &self,
+        sampler: &SegmentSampler,
+        untold: Untold<'_>,
+        rng: &mut dyn Rng,
+    ) -> Option<[Segment; 2]> {
+        let mut draws = (0..self.config.pool).map(|_| RandomPair.draw(sampler, rng));
+        draws.find(|&pair| !untold.contains(pair) && !untold.is_told(pair))
+    }
+
     /// The descriptor whose part in the difference between two episodes the samples agree on least; none if they agree on all.
     fn most_open(&self, [first, second]: [usize; 2]) -> Option<usize> {
         let parts = self.samples.column_iter().enumerate().map(|(j, weights)| {

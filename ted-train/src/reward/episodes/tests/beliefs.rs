@@ -156,7 +156,11 @@ fn what_was_answered_is_not_asked_again_while_there_is_anything_else() {
     let dataset = logs(&[0.5; 4]);
     let whole = whole_episodes(&dataset).unwrap();
     let sampler = SegmentSampler::new(&dataset, Clip::Episode).unwrap();
-    let config = EpisodesConfig::default();
+    // Two of the four are the best of no sample, and their pair is one of six.
+    let config = EpisodesConfig {
+        candidates: 1,
+        ..EpisodesConfig::default()
+    };
     let descriptors = DMatrix::from_fn(4, 1, |episode, _| episode as f64);
     let samples = DMatrix::from_row_slice(2, 1, &[1.0, -1.0]);
     let strategy = MostInformative::new(&config, &descriptors, &samples, &whole);
