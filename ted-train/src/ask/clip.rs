@@ -32,6 +32,14 @@ pub struct Picture {
     pub actions: Vec<Track>,
 }
 
+impl Picture {
+    /// The last step of the episode that is shown.
+    #[must_use]
+    pub fn last_step(&self) -> usize {
+        self.start as usize + self.frames.saturating_sub(1) * self.stride
+    }
+}
+
 /// A place over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Place {

@@ -154,7 +154,7 @@ fn listed(said: &[LogEntry]) -> String {
 /// Two clips side by side.
 fn compared(pictures: &[Picture; 2]) -> String {
     let heading = |side: &str, picture: &Picture| {
-        let to = picture.start as usize + picture.frames.saturating_sub(1) * picture.stride;
+        let to = picture.last_step();
         let clip = [
             ("episode", picture.episode.to_string()),
             ("from", picture.start.to_string()),

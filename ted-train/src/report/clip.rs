@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use crate::ask::{Mark, Picture, Place};
 
@@ -118,10 +118,7 @@ fn moving(place: &Place, colour: &str, axes: [usize; 2], frame: &Frame, seconds:
         polyline points=(way.trim_end()) fill="none" stroke=(colour) stroke-opacity="0.4" {}
         path d=(shape(place.mark)) style=(paint(place.mark, colour)) opacity="0.35" transform=(format!("translate({x:.1},{y:.1})")) {}
         g .moves {
-            // maud has no element names of mixed case with this meaning of their own: SVG's are written out.
-            (PreEscaped(format!(
-                r#"<animateTransform attributeName="transform" type="translate" values="{values}" dur="{seconds:.1}s" repeatCount="indefinite"/>"#
-            )))
+            animateTransform attributeName="transform" type="translate" values=(values) dur=(format!("{seconds:.1}s")) repeatCount="indefinite" {}
             path d=(shape(place.mark)) style=(paint(place.mark, colour)) {}
         }
     }

@@ -6,7 +6,7 @@ use firmware_sim::progress::Audience;
 use serde_json::{Map, Value};
 
 use crate::ask::{Channels, ClipSource, Numbers, Picture};
-use crate::config::Config;
+use crate::config::{Config, Preset};
 use crate::dataset::{Dataset, Segment};
 use crate::evaluate::Evaluation;
 use crate::inspect::RunText;
@@ -189,8 +189,9 @@ fn clone_in(path: PathBuf, run: &RunText) -> Option<((bool, bool, PathBuf), Eval
     let dataset: DatasetReference = folder.read_json(DATASET).ok()?;
     let flown: Evaluation = folder.read_json(EVALUATION).ok()?;
     let ours = run.evaluation.as_ref()?;
-    let same =
-        dataset.digest == run.dataset.digest && config.reward.is_none() && flown.task == ours.task;
+    let same = dataset.digest == run.dataset.digest
+        && config.preset == Preset::Bc
+        && flown.task == ours.task;
     let far = (
         config.seed != run.config.seed,
         config.algorithm.steps() != run.steps,

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::ops::Range;
 
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::ReportError;
@@ -34,20 +35,12 @@ pub(super) fn predicted_against_true(
         .zip(&predicted.returns_hat)
         .collect();
     drawn(SIZE, |root| {
-        let mut chart = ChartBuilder::on(root)
-            .margin(12)
-            .margin_right(28)
-            .x_label_area_size(36)
-            .y_label_area_size(44)
-            .build_cartesian_2d(-0.02..1.02, -0.02..1.02)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
-            .x_desc("predicted return, lowest 0, highest 1")
-            .y_desc("true return")
-            .draw()?;
+        let mut chart = axes(
+            root,
+            -0.02..1.02,
+            -0.02..1.02,
+            ["predicted return, lowest 0, highest 1", "true return"],
+        )?;
         chart.draw_series(LineSeries::new([(0.0, 0.0), (1.0, 1.0)], LINE))?;
         chart.draw_series(points.iter().map(|&((x, y), &hat)| {
             let above = predicted.border.is_none_or(|border| hat >= border);
@@ -77,21 +70,12 @@ pub(super) fn histogram(predicted: &Predicted) -> Result<String, ReportError> {
     }
     let most = counts.iter().copied().max().unwrap_or_default().max(1);
     drawn(SIZE, |root| {
-        let mut chart = ChartBuilder::on(root)
-            .margin(12)
-            .margin_right(28)
-            .x_label_area_size(36)
-            .y_label_area_size(44)
-            .build_cartesian_2d(range.clone(), 0.0..f64::from(most) * 1.05)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
-            .disable_x_mesh()
-            .x_desc("predicted return")
-            .y_desc("episodes")
-            .draw()?;
+        let mut chart = axes(
+            root,
+            range.clone(),
+            0.0..f64::from(most) * 1.05,
+            ["predicted return", "episodes"],
+        )?;
         chart.draw_series(counts.iter().enumerate().map(|(bin, &count)| {
             let left = range.start + width * bin as f64;
             let above = predicted
@@ -197,6 +181,33 @@ pub(super) fn curve(curve: &Curve) -> Result<String, ReportError> {
         chart.draw_series(LineSeries::new(curve.points.iter().copied(), ABOVE))?;
         Ok(())
     })
+}
+
+type Chart<'a, 's> = ChartContext<'a, SVGBackend<'s>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// A chart with these ranges and names of its axes, to the right and up.
+fn axes<'a, 's>(
+    root: &'a Area<'s>,
+    right: Range<f64>,
+    up: Range<f64>,
+    [to_the_right, upwards]: [&str; 2],
+) -> Result<Chart<'a, 's>, Box<dyn std::error::Error>> {
+    let mut chart = ChartBuilder::on(root)
+        .margin(12)
+        .margin_right(28)
+        .x_label_area_size(36)
+        .y_label_area_size(44)
+        .build_cartesian_2d(right, up)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .disable_x_mesh()
+        .x_label_formatter(&tick)
+        .y_label_formatter(&tick)
+        .x_desc(to_the_right)
+        .y_desc(upwards)
+        .draw()?;
+    Ok(chart)
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;

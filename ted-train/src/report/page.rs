@@ -7,6 +7,7 @@ use super::ReportError;
 use super::clip::{clips, legend};
 use super::facts::{Asked, Curve, Facts, Predicted};
 use super::figures;
+use crate::ask::Picture;
 use crate::evaluate::Evaluation;
 use crate::preferences::Answer;
 use crate::quantise::QuantisationReport;
@@ -124,9 +125,8 @@ fn asked(asked: &[Asked]) -> Markup {
     }
 }
 
-fn caption(picture: &crate::ask::Picture) -> String {
-    let last =
-        u64::from(picture.start) + (picture.frames.saturating_sub(1) * picture.stride) as u64;
+fn caption(picture: &Picture) -> String {
+    let last = picture.last_step();
     format!(
         "episode {}, steps {} to {last}",
         picture.episode, picture.start
@@ -134,8 +134,8 @@ fn caption(picture: &crate::ask::Picture) -> String {
 }
 
 fn predictions(facts: &Facts, predicted: &Predicted) -> Result<Markup, ReportError> {
-    let captions = |episodes: &[crate::ask::Picture]| -> Vec<String> {
-        let hat = |picture: &crate::ask::Picture| predicted.returns_hat[picture.episode as usize];
+    let captions = |episodes: &[Picture]| -> Vec<String> {
+        let hat = |picture: &Picture| predicted.returns_hat[picture.episode as usize];
         (episodes.iter())
             .map(|it| format!("episode {}, predicted return {:.1}", it.episode, hat(it)))
             .collect()

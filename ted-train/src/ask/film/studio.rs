@@ -69,7 +69,11 @@ impl Studio {
     #[must_use]
     pub fn closed(reason: &NoFilm) -> Self {
         let shared = Shared::default();
-        shared.lock().trouble = Some(reason.clone());
+        {
+            let mut state = shared.lock();
+            state.trouble = Some(reason.clone());
+            state.closed = true;
+        }
         Self {
             shared: Arc::new(shared),
         }
@@ -83,6 +87,10 @@ impl Studio {
             .flat_map(|plan| (0..plan.stills).map(|still| (plan.episode, plan.step(still))))
             .collect();
         state.made.retain(|still, _| wanted.contains(still));
+        // What went wrong with one episode may go well with another.
+        if !state.closed {
+            state.trouble = None;
+        }
         state.to_make = batches(&plans).collect();
         state.plans = Some(plans);
         self.shared.changed.notify_all();
@@ -142,8 +150,12 @@ impl Shared {
             match made(&mut source, &ready, cache.as_ref(), episode, &steps) {
                 Ok(stills) => self.add(episode, stills, keeper.as_ref()),
                 Err(reason) => {
-                    self.lock().trouble = Some(reason);
-                    return;
+                    let mut state = self.lock();
+                    // The question may be another one by now.
+                    if state.plans.iter().flatten().any(|it| it.episode == episode) {
+                        state.trouble = Some(reason);
+                        state.to_make.clear();
+                    }
                 }
             }
         }

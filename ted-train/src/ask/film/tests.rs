@@ -167,6 +167,9 @@ fn trouble_is_told_and_what_was_made_before_it_stays() {
     let progress = until(&studio, |progress| progress.trouble.is_some());
     assert_eq!(progress.trouble.as_deref(), Some("no more light"));
     assert_eq!(progress.films[0].made.len(), 14);
+    // Another question's episodes have nothing to do with it.
+    studio.show([whole(&dataset, 0), whole(&dataset, 2)]);
+    assert_eq!(until(&studio, complete).trouble, None);
 
     let (mut dark, heard) = scribe();
     dark.ready = false;
