@@ -1,8 +1,9 @@
 //! `ted ask` as a browser has it: a person who answers over HTTP, changes their mind, comes back after a kill, and others who must
 //! not come in.
 
+mod axe;
 mod browser;
-mod chromium;
+pub mod chromium;
 mod film;
 mod page;
 

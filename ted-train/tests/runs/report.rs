@@ -2,8 +2,9 @@
 
 use std::fs;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use crate::ask::chromium::Chromium;
 use crate::command::{Desk, Ended, finish, ted};
 
 fn report(desk: &Desk, args: &[&str]) -> Ended {
@@ -60,6 +61,18 @@ fn a_report_tells_all_of_a_run_and_needs_nothing_else() {
         "{json}"
     );
     assert_eq!(page, self::page(&desk, "again.html"));
+    let browser = Chromium::start([1280, 720]);
+    browser.open(&format!("file://{}", desk.run("run/report.html").display()));
+    browser.photograph("report");
+    let dark = json!({"features": [{"name": "prefers-color-scheme", "value": "dark"}]});
+    browser.develop("Emulation.setEmulatedMedia", &dark);
+    browser.photograph("report-dark");
+    let phone = json!({"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": true});
+    browser.develop("Emulation.setDeviceMetricsOverride", &phone);
+    browser.photograph("report-phone");
+    let fits = "return document.documentElement.scrollWidth <= innerWidth";
+    assert_eq!(browser.run(fits), true);
+    assert_eq!(browser.complaints(), Vec::<Value>::new());
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use serde_json::{Value, json};
 
+use super::axe;
 use super::browser::send;
 use crate::command::terminate;
 
@@ -114,13 +115,19 @@ impl Chromium {
         self.post("/actions", &json!({"actions": [keyboard]}));
     }
 
-    /// Keeps what is to be seen, among what is built.
+    /// Keeps what is to be seen, among what is built, and finds that everybody can use it.
     pub fn photograph(&self, name: &str) {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("ask");
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pages");
         std::fs::create_dir_all(&folder).unwrap();
         let picture = self.ask("GET", &format!("{}/screenshot", self.session), &Value::Null);
         let bytes = base64(picture.as_str().unwrap());
         std::fs::write(folder.join(format!("{name}.png")), bytes).unwrap();
+        self.run(axe::script());
+        let hard = self.post(
+            "/execute/async",
+            &json!({"script": axe::EXAMINE, "args": []}),
+        );
+        assert_eq!(hard, json!([]), "{name}");
     }
 
     /// What the browser complained about.

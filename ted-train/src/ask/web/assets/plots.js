@@ -28,7 +28,7 @@ export function layOut(boxes, pictures, words) {
 }
 
 function heading(text) {
-  const heading = document.createElement("h3");
+  const heading = document.createElement("h2");
   heading.textContent = text;
   return heading;
 }
