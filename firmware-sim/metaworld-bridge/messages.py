@@ -8,6 +8,7 @@ RESET = 0x02
 STEP = 0x03
 COLLECT = 0x04
 RENDER = 0x05
+STATE = 0x06
 
 # Replies, worker to parent: the request's kind with the high bit set, and two that answer no request of their own.
 READY = 0x80
@@ -16,6 +17,7 @@ RESETTED = 0x82
 STEPPED = 0x83
 COLLECTED = 0x84
 RENDERED = 0x85
+STATED = 0x86
 FAULT = 0xFF
 
 # Why a worker refuses: the first field of a FAULT.
@@ -35,6 +37,7 @@ TRUNCATED = 4
 
 SHAPE = struct.Struct("<HHIIIII")
 RESET_REQUEST = struct.Struct("<HQ")
+STATE_REQUEST = struct.Struct("<H")
 # Seed and steps, then the fields of `collect.Behaviour`: push is four numbers.
 COLLECT_REQUEST = struct.Struct("<QIdd4dddB")
 # Seed, width and height in pixels, quality, and how many states follow.

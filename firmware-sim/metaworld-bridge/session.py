@@ -112,6 +112,7 @@ class Session:
             messages.STEP: self._step,
             messages.COLLECT: self._collect,
             messages.RENDER: self._render,
+            messages.STATE: self._state,
         }
 
     def serve(self):
@@ -197,6 +198,13 @@ class Session:
         pictures = self._painter.pictures(*how, *states)
         parts = [part for picture in pictures for part in (messages.PICTURE_BYTES.pack(len(picture)), picture)]
         return messages.RENDERED, [messages.text(way), *parts]
+
+    def _state(self, payload):
+        (slot,) = self._parsed(messages.STATE_REQUEST.unpack, payload)
+        if slot not in self._running:
+            raise Refusal(messages.NO_EPISODE, f"the state of slot {slot}, which has no episode: reset first")
+        data = self._tasks[slot].env.data
+        return messages.STATED, [array.astype("<f8").tobytes() for array in (data.qpos, data.mocap_pos, data.mocap_quat)]
 
     def _made(self, name, engine=None):
         engine = engine or self._engine

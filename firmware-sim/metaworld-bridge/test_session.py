@@ -5,7 +5,9 @@ import unittest
 
 import messages
 import wire
+from collect import Behaviour, collect
 from session import Session
+from task import Task
 
 
 class Stopped(Exception):
@@ -144,6 +146,22 @@ class SideBySide(unittest.TestCase):
         one = replies("reference", [reset(0, 5), step((0, -0.5)), step((0, 0.1)), step((0, 1))])
         other = replies("reference", [reset(0, 6), step((0, 0.5)), step((0, 1))])
         self.assertEqual(together, [one[0], other[0], other[1] + one[1], one[2], one[3] + other[2]])
+
+    def test_the_state_of_an_episode_is_the_one_that_its_collection_records(self):
+        record = collect(Task("drawer-open-v3"), 7, 3, Behaviour(0.8, 0.5))
+        state = (messages.STATE, messages.STATE_REQUEST.pack(2))
+        steps = [(messages.STEP, struct.pack("<H", 2) + action.tobytes()) for action in record.actions]
+        requests = [step_or_state for step in steps for step_or_state in (step, state)]
+        for engine in ["fast", "reference"]:
+            link = Requests([(messages.OPEN, messages.text("drawer-open-v3")), state, (messages.RESET, messages.RESET_REQUEST.pack(2, 7)), state, *requests])
+            with self.assertRaises(Stopped):
+                Session(link, engine).serve()
+            (kind, fault), *_ = link.replies[1:]
+            self.assertEqual((kind, messages.FAULT_CODE.unpack_from(fault)[0]), (messages.FAULT, messages.NO_EPISODE))
+            said = [payload for kind, payload in link.replies if kind == messages.STATED]
+            rows = zip(record.qpos, record.mocap_pos, record.mocap_quat, strict=True)
+            self.assertEqual(said, [b"".join(array.tobytes() for array in row) for row in rows])
+
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ EPISODE = [
 ]
 
 EXPECTED = {
-    "hello": wire.hello(4),
+    "hello": wire.hello(5),
     "ready": wire.frame(messages.READY, 0, messages.text("python=3.11.7 mujoco=3.3.0")),
     "open": wire.frame(messages.OPEN, 1, messages.text("drawer-open-v3")),
     "opened": wire.frame(messages.OPENED, 1, messages.SHAPE.pack(2, 1, 1, 1, 1, 1, 500)),
@@ -68,7 +68,9 @@ EXPECTED = {
         messages.PICTURE_BYTES.pack(3) + b"\xff\xd8\xff",
         messages.PICTURE_BYTES.pack(2) + b"\xff\xd9",
     ),
-    "fault": wire.frame(messages.FAULT, 6, messages.fault(messages.UNKNOWN_TASK, "no such task")),
+    "state": wire.frame(messages.STATE, 6, messages.STATE_REQUEST.pack(1)),
+    "stated": wire.frame(messages.STATED, 6, struct.pack("<d", 0.5), struct.pack("<3d", 0.5, 1, 2), struct.pack("<4d", 1, 0, 1, 0.5)),
+    "fault": wire.frame(messages.FAULT, 7, messages.fault(messages.UNKNOWN_TASK, "no such task")),
 }
 
 

@@ -8,7 +8,7 @@ import struct
 import zlib
 
 MAGIC = b"TEDBRDG\n"
-PROTOCOL_VERSION = 4
+PROTOCOL_VERSION = 5
 
 HELLO = struct.Struct("<8sII")
 HEADER = struct.Struct("<IHHII")

@@ -23,6 +23,7 @@ pub mod preferences;
 pub mod quantise;
 pub mod quickstart;
 mod ranking;
+pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod reward;

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 /// The version of the protocol this program speaks. Raise it with every change of `docs/bridge-protocol.md`.
-pub const PROTOCOL_VERSION: u32 = 4;
+pub const PROTOCOL_VERSION: u32 = 5;
 
 /// Bytes of the greeting, in every version of the protocol.
 pub const HELLO_LEN: usize = 16;

@@ -187,6 +187,21 @@ fn pictures_are_asked_for_and_read_as_the_document_says() {
 }
 
 #[test]
+fn a_state_is_asked_for_and_read_as_the_document_says() {
+    assert_eq!(
+        golden()["state"],
+        framed(kind::STATE, 6, &message::state(1))
+    );
+    let payload = payload_of("stated", kind::STATED);
+    let state = State {
+        qpos: vec![0.5],
+        mocap_pos: vec![0.5, 1.0, 2.0],
+        mocap_quat: vec![1.0, 0.0, 1.0, 0.5],
+    };
+    assert_eq!(message::parse_stated(&payload, &SHAPE), Ok(state));
+}
+
+#[test]
 fn an_episode_is_read_as_the_document_says() {
     let episode = Episode {
         shape: SHAPE,

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::episode::{Behaviour, Episode, EpisodeJob};
-use super::picture::{PictureJob, Pictures};
+use super::picture::{PictureJob, Pictures, State};
 
 /// The kinds of frames: requests of the parent, and replies of the worker with the high bit set.
 pub mod kind {
@@ -17,6 +17,8 @@ pub mod kind {
     pub const COLLECT: u16 = 0x04;
     /// Draw recorded states.
     pub const RENDER: u16 = 0x05;
+    /// Say the state of a running episode.
+    pub const STATE: u16 = 0x06;
     /// The worker has its simulator; comes once, unasked, with sequence number 0.
     pub const READY: u16 = 0x80;
     /// Answers [`OPEN`].
@@ -29,6 +31,8 @@ pub mod kind {
     pub const COLLECTED: u16 = 0x84;
     /// Answers [`RENDER`].
     pub const RENDERED: u16 = 0x85;
+    /// Answers [`STATE`].
+    pub const STATED: u16 = 0x86;
     /// Answers any request that cannot be served.
     pub const FAULT: u16 = 0xFF;
 }
@@ -205,6 +209,12 @@ pub fn render(job: &PictureJob) -> Vec<u8> {
     payload
 }
 
+/// The payload of STATE.
+#[must_use]
+pub fn state(slot: u16) -> Vec<u8> {
+    slot.to_le_bytes().to_vec()
+}
+
 /// Reads the versions out of READY.
 ///
 /// # Errors
@@ -314,6 +324,20 @@ pub fn parse_rendered(payload: &[u8], states: usize) -> Result<Pictures, Message
         jpegs.push(fields.take(length)?.to_vec());
     }
     fields.end(Pictures { way, jpegs })
+}
+
+/// Reads STATED.
+///
+/// # Errors
+/// When the payload has another layout.
+pub fn parse_stated(payload: &[u8], shape: &Shape) -> Result<State, MessageError> {
+    let mut fields = Fields::new(payload);
+    let state = State {
+        qpos: fields.f64s(shape.qpos)?,
+        mocap_pos: fields.f64s(shape.mocap * 3)?,
+        mocap_quat: fields.f64s(shape.mocap * 4)?,
+    };
+    fields.end(state)
 }
 
 /// Reads FAULT.

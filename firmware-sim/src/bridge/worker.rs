@@ -11,7 +11,7 @@ use super::error::{BridgeError, Nonsense};
 use super::frame::PROTOCOL_VERSION;
 use super::link::{Link, LinkError};
 use super::message::{self, FaultCode, MessageError, Move, Shape, Step, kind};
-use super::picture::{PictureJob, Pictures};
+use super::picture::{PictureJob, Pictures, State};
 use crate::last_words::{LastWords, Listener};
 
 /// How long a worker may take for anything but a whole episode. Importing the simulator from a cold disk is the slowest.
@@ -201,6 +201,22 @@ impl Worker {
             &message::render(job),
             patience,
             |payload| message::parse_rendered(payload, states),
+        )
+    }
+
+    /// The state of the episode in a slot, as far as it can be seen: something to draw.
+    ///
+    /// # Errors
+    /// When no episode is running there, or the worker fails.
+    pub fn state(&mut self, slot: u16) -> Result<State, BridgeError> {
+        let shape = self.shape().ok_or(BridgeError::NoTask)?;
+        let patience = self.patience;
+        self.ask(
+            "say a state",
+            kind::STATE,
+            &message::state(slot),
+            patience,
+            |payload| message::parse_stated(payload, &shape),
         )
     }
 

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::bridge::{BridgeError, Environment, Move, Shape, Step, Worker};
+use crate::bridge::{BridgeError, Environment, Move, Shape, State, Step, Worker};
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
 
 /// Simulated time of one step: Meta-World makes 80 of them per second.
@@ -62,6 +62,15 @@ impl MetaWorldPlant {
     #[must_use]
     pub const fn shape(&self) -> Shape {
         self.shape
+    }
+
+    /// The simulator's state, as far as it can be seen: something to draw.
+    ///
+    /// # Errors
+    /// When no episode is running, or the simulator fails.
+    pub fn state(&mut self) -> Result<State, PlantError> {
+        let state = self.shared.borrow_mut().worker.state(self.slot);
+        state.map_err(PlantError::link)
     }
 
     /// Steps made so far, if this action can be the next one.

@@ -33,6 +33,50 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Of these steps of an episode, each what was observed and what was done.
+    pub(crate) fn drawn(
+        channels: &Channels,
+        episode: u32,
+        start: u32,
+        rows: &[(&[f32], &[f32])],
+    ) -> Self {
+        /// More would take long to send, and show nobody more.
+        const FRAMES: usize = 2000;
+        let stride = rows.len().div_ceil(FRAMES).max(1);
+        let shown = || rows.iter().step_by(stride);
+        let places = channels.positions.iter().map(|position| Place {
+            name: position.name,
+            mark: position.mark,
+            path: shown()
+                .map(|(seen, _)| {
+                    position
+                        .axes
+                        .map(|axis| axis.map_or(0.0, |axis| seen[axis]))
+                })
+                .collect(),
+        });
+        let plots = channels.plots.iter().map(|(channel, name, unit)| Track {
+            name: name.clone(),
+            unit,
+            values: shown().map(|(seen, _)| seen[*channel]).collect(),
+        });
+        let actions = channels.actions.iter().enumerate().map(|(i, name)| Track {
+            name: name.clone(),
+            unit: "",
+            values: shown().map(|(_, done)| done[i]).collect(),
+        });
+        Self {
+            episode,
+            start,
+            stride,
+            period_s: channels.period.as_secs_f64() * stride as f64,
+            frames: shown().count(),
+            places: places.collect(),
+            plots: plots.collect(),
+            actions: actions.collect(),
+        }
+    }
+
     /// The last step of the episode that is shown.
     #[must_use]
     pub fn last_step(&self) -> usize {
@@ -81,48 +125,10 @@ impl<'a> Numbers<'a> {
 
 impl ClipSource for Numbers<'_> {
     fn picture(&self, segment: Segment) -> Picture {
-        /// More would take long to send, and show nobody more.
-        const FRAMES: usize = 2000;
-        let (dataset, channels) = (self.dataset, &self.channels);
-        let stride = (segment.len() as usize).div_ceil(FRAMES);
-        let steps: Vec<usize> = segment.steps(dataset).step_by(stride).collect();
-        let observed = |channel: usize| {
-            steps
-                .iter()
-                .map(move |&step| dataset.observation(step)[channel])
-        };
-        let places = channels.positions.iter().map(|position| {
-            let place = |&step: &usize| {
-                let seen = dataset.observation(step);
-                position
-                    .axes
-                    .map(|axis| axis.map_or(0.0, |axis| seen[axis]))
-            };
-            Place {
-                name: position.name,
-                mark: position.mark,
-                path: steps.iter().map(place).collect(),
-            }
-        });
-        let plots = channels.plots.iter().map(|(channel, name, unit)| Track {
-            name: name.clone(),
-            unit,
-            values: observed(*channel).collect(),
-        });
-        let actions = channels.actions.iter().enumerate().map(|(i, name)| Track {
-            name: name.clone(),
-            unit: "",
-            values: steps.iter().map(|&step| dataset.action(step)[i]).collect(),
-        });
-        Picture {
-            episode: segment.episode(),
-            start: segment.start(),
-            stride,
-            period_s: channels.period.as_secs_f64() * stride as f64,
-            frames: steps.len(),
-            places: places.collect(),
-            plots: plots.collect(),
-            actions: actions.collect(),
-        }
+        let dataset = self.dataset;
+        let rows = segment.steps(dataset);
+        let rows = rows.map(|step| (dataset.observation(step), dataset.action(step)));
+        let rows: Vec<_> = rows.collect();
+        Picture::drawn(&self.channels, segment.episode(), segment.start(), &rows)
     }
 }

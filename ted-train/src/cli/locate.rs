@@ -97,6 +97,14 @@ pub(super) fn existing_or_dataset(path: &Path) -> PathBuf {
 
 /// The dataset that a run was trained on: where the run found it, where Minari keeps it, or where a person says it is now.
 pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Dataset, Failure> {
+    located(folder, named).map(|(_, dataset)| dataset)
+}
+
+/// The same, with the folder that it is in.
+pub(super) fn located(
+    folder: &RunFolder,
+    named: Option<&str>,
+) -> Result<(PathBuf, Dataset), Failure> {
     let reference: DatasetReference = folder.read_json(DATASET).map_err(end)?;
     let path = match named {
         Some(named) => dataset_path(named),
@@ -115,7 +123,7 @@ pub(super) fn dataset_of(folder: &RunFolder, named: Option<&str>) -> Result<Data
         error => end(error),
     })?;
     if dataset.digest() == reference.digest {
-        Ok(dataset)
+        Ok((path, dataset))
     } else {
         Err(Failure::new(
             ExitCode::BadInput,

@@ -14,7 +14,7 @@ use crate::report::{Verdict, report};
 use crate::run::{REPORT, RunFolder};
 
 use super::failures::end;
-use super::locate::dataset_of;
+use super::locate::located;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -49,9 +49,9 @@ struct Written<'a> {
 
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let folder = RunFolder::open(&args.run).map_err(end)?;
-    let dataset = dataset_of(&folder, args.dataset.as_deref())?;
+    let (at, dataset) = located(&folder, args.dataset.as_deref())?;
     let out = args.out.clone().unwrap_or_else(|| folder.file(REPORT));
-    let verdict = report(&folder, &dataset, &out, args.output.audience()).map_err(end)?;
+    let verdict = report(&folder, &dataset, &at, &out, args.output.audience()).map_err(end)?;
     let written = Written {
         report: &out,
         verdict: &verdict,
@@ -67,7 +67,7 @@ pub(super) fn of_a_run(lane: &Lane, datasets: &Datasets, audience: Audience) -> 
         let folder = RunFolder::open(&lane.folder)?;
         let dataset = datasets.open(&lane.dataset)?;
         let out = folder.file(REPORT);
-        report(&folder, &dataset, &out, audience)?;
+        report(&folder, &dataset, &lane.dataset, &out, audience)?;
         Ok(out)
     };
     match write() {

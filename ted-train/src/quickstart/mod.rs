@@ -283,7 +283,13 @@ pub fn quickstart(
     let crosscheck = crosscheck(&folder, &dataset, &check, audience)?;
     folder.write_json("crosscheck.json", &crosscheck)?;
     // The run is what it is without its page.
-    if let Err(error) = report(&folder, &dataset, &folder.file(REPORT), audience) {
+    if let Err(error) = report(
+        &folder,
+        &dataset,
+        &collected.folder,
+        &folder.file(REPORT),
+        audience,
+    ) {
         audience.note(&format!("there is no report: {error}"));
     }
 

@@ -1,9 +1,12 @@
-//! A clip as a small moving picture: places in space from above and from the front, or curves where the dataset declares no places.
+//! A clip as a small moving picture: stills of the robot, or else places in space from above and from the front, or else curves.
 
 use std::fmt::Write as _;
 
+use axum::body::Bytes;
+use data_encoding::BASE64;
 use maud::{Markup, html};
 
+use super::shot::Shot;
 use crate::ask::{Mark, Picture, Place};
 
 /// Width and height of each view.
@@ -20,15 +23,17 @@ const CURVES: usize = 8;
 /// Two coordinates of a place that a view shows: to the right, and up.
 const VIEWS: [(&str, [usize; 2]); 2] = [("from above", [0, 1]), ("from the front", [0, 2])];
 
-/// Clips side by side, in one scale.
-pub(super) fn clips(pictures: &[Picture], captions: &[String]) -> Markup {
-    let frame = Frame::around(pictures);
+/// Clips side by side, in one scale, each with its caption.
+pub(super) fn clips<'a>(shots: impl IntoIterator<Item = (&'a Shot, String)>) -> Markup {
+    let shots: Vec<(&Shot, String)> = shots.into_iter().collect();
+    let frame = Frame::around(shots.iter().map(|(shot, _)| &shot.picture));
     html! {
         div .clips {
-            @for (picture, caption) in pictures.iter().zip(captions) {
+            @for (Shot { picture, stills }, caption) in &shots {
                 figure {
                     figcaption { (caption) }
-                    @if picture.places.is_empty() { (curves(picture)) }
+                    @if !stills.is_empty() { (film(picture, stills)) }
+                    @else if picture.places.is_empty() { (curves(picture)) }
                     @else { @for (name, axes) in VIEWS { (view(picture, name, axes, &frame)) } }
                 }
             }
@@ -36,13 +41,42 @@ pub(super) fn clips(pictures: &[Picture], captions: &[String]) -> Markup {
     }
 }
 
-/// The names of the places, each with its mark.
-pub(super) fn legend(picture: &Picture) -> Markup {
+/// The names of the places, each with its mark, where they are what is drawn.
+pub(super) fn legend(shot: &Shot) -> Markup {
+    let places = shot.picture.places.iter().zip(colours());
     html! {
-        p .legend {
-            @for (place, colour) in picture.places.iter().zip(colours()) {
-                svg width="14" height="14" viewBox="-7 -7 14 14" aria-hidden="true" { path d=(shape(place.mark)) style=(paint(place.mark, colour)) {} }
-                " " (place.name) " "
+        @if shot.stills.is_empty() {
+            p .legend {
+                @for (place, colour) in places {
+                    svg width="14" height="14" viewBox="-7 -7 14 14" aria-hidden="true" { path d=(shape(place.mark)) style=(paint(place.mark, colour)) {} }
+                    " " (place.name) " "
+                }
+            }
+        }
+    }
+}
+
+/// How long a clip takes to show.
+fn seconds(picture: &Picture) -> f64 {
+    (picture.frames as f64 * picture.period_s).clamp(2.0, 6.0)
+}
+
+/// Stills one after the other. The last one lies below: it is what is seen where nothing moves.
+fn film(picture: &Picture, stills: &[Bytes]) -> Markup {
+    let (count, seconds) = (stills.len() as f64, seconds(picture));
+    let data = |jpeg: &Bytes| format!("data:image/jpeg;base64,{}", BASE64.encode(jpeg));
+    let (last, before) = stills
+        .split_last()
+        .map_or((None, stills), |(last, before)| (Some(last), before));
+    let label = format!("pictures of episode {}", picture.episode);
+    html! {
+        svg .film width="240" height="180" role="img" aria-label=(label) {
+            @if let Some(last) = last { image href=(data(last)) width="240" height="180" {} }
+            @for (number, still) in before.iter().enumerate() {
+                image .moves href=(data(still)) width="240" height="180" opacity="0" {
+                    animate attributeName="opacity" calcMode="discrete" repeatCount="indefinite" dur=(format!("{seconds:.1}s"))
+                        values="0;1;0" keyTimes=(format!("0;{:.4};{:.4}", number as f64 / count, (number + 1) as f64 / count)) {}
+                }
             }
         }
     }
@@ -55,14 +89,11 @@ struct Frame {
 }
 
 impl Frame {
-    fn around(pictures: &[Picture]) -> Self {
-        let points = || {
-            let places = pictures.iter().flat_map(|picture| &picture.places);
-            places.flat_map(|place| &place.path)
-        };
+    fn around<'a>(pictures: impl Iterator<Item = &'a Picture>) -> Self {
+        let places = pictures.flat_map(|picture| &picture.places);
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
-        for point in points() {
+        for point in places.flat_map(|place| &place.path) {
             for (axis, &value) in point.iter().enumerate() {
                 low[axis] = low[axis].min(value.into());
                 high[axis] = high[axis].max(value.into());
@@ -87,7 +118,7 @@ impl Frame {
 }
 
 fn view(picture: &Picture, name: &str, axes: [usize; 2], frame: &Frame) -> Markup {
-    let seconds = (picture.frames as f64 * picture.period_s).clamp(2.0, 6.0);
+    let seconds = seconds(picture);
     let label = format!("episode {} {name}", picture.episode);
     html! {
         svg .view width=(SIDE) height=(SIDE + TITLE) viewBox={ "0 0 " (SIDE) " " (SIDE + TITLE) } role="img" aria-label=(label) {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use firmware_sim::progress::Audience;
 use serde_json::{Map, Value};
 
-use crate::ask::{Channels, ClipSource, Numbers, Picture};
+use crate::ask::Channels;
 use crate::config::{Config, Preset};
 use crate::dataset::{Dataset, Segment};
 use crate::evaluate::Evaluation;
@@ -17,16 +17,21 @@ use crate::run::{DATASET, DatasetReference, EVALUATION, PREFERENCES, QUANTISATIO
 use crate::train::{FinishedRun, TrainError};
 
 use super::ReportError;
+use super::shot::{Camera, Flown, Shot};
 use super::verdict::Verdict;
 
 /// Episodes of the best, and of the worst, that are shown.
 const SHOWN: usize = 3;
+/// Questions whose clips are shown. More would make the page too large for a browser.
+const QUESTIONS: usize = 20;
 
 /// All of it.
 pub(super) struct Facts {
     pub verdict: Verdict,
     pub run: RunText,
     pub asked: Vec<Asked>,
+    /// A flight like most; none if nobody flew, or nobody can fly it here.
+    pub flight: Option<Flown>,
     pub predicted: Option<Predicted>,
     pub curves: Vec<Curve>,
     pub clone: Option<Evaluation>,
@@ -40,7 +45,8 @@ pub(super) struct Facts {
 /// A question and what was said to it.
 pub(super) struct Asked {
     pub entry: LogEntry,
-    pub pictures: [Picture; 2],
+    /// Both clips; none of a question beyond the first twenty.
+    pub shots: Option<[Shot; 2]>,
 }
 
 /// What a run predicts of each episode, beside what is true.
@@ -52,8 +58,8 @@ pub(super) struct Predicted {
     /// The predicted return that an episode needs for the full discount; none where all have the same.
     pub border: Option<f32>,
     /// The best and the worst by prediction.
-    pub best: Vec<Picture>,
-    pub worst: Vec<Picture>,
+    pub best: Vec<Shot>,
+    pub worst: Vec<Shot>,
 }
 
 /// A number over the updates of a phase.
@@ -67,10 +73,12 @@ impl Facts {
     pub fn gather(
         folder: &RunFolder,
         dataset: &Dataset,
+        at: &Path,
         audience: Audience,
     ) -> Result<Self, ReportError> {
         let run = RunText::read(folder)?;
-        let numbers = Numbers::of(dataset);
+        let channels = Channels::of(dataset);
+        let mut camera = Camera::of(dataset, at, audience);
         let clone = clone_of(folder, &run);
         let rewarded = dataset.only_reward().is_none();
         let confidence = run
@@ -91,16 +99,23 @@ impl Facts {
             true => PreferenceLog::read(folder.file(PREFERENCES), dataset)?,
             false => Vec::new(),
         };
-        let asked = asked.into_iter().map(|entry| Asked {
-            pictures: entry.question.query.segments.map(|it| numbers.picture(it)),
-            entry,
+        let asked = asked.into_iter().enumerate().map(|(number, entry)| {
+            let segments = (number < QUESTIONS).then_some(entry.question.query.segments);
+            Asked {
+                shots: segments.map(|both| both.map(|it| camera.shoot(it))),
+                entry,
+            }
         });
+        let asked = asked.collect();
+        let flown = run.evaluation.as_ref();
+        let artefact = folder.artefact_path();
         Ok(Self {
-            asked: asked.collect(),
-            predicted: predicted(folder, dataset, &numbers, &run, audience)?,
+            flight: flown.and_then(|flown| camera.shoot_flight(flown, &artefact, &channels)),
+            asked,
+            predicted: predicted(folder, dataset, &mut camera, &run, audience)?,
             curves: curves(&folder.file("metrics.jsonl")),
             episodes: dataset.episodes().len(),
-            actions: Channels::of(dataset).actions,
+            actions: channels.actions,
             verdict,
             run,
             clone,
@@ -113,7 +128,7 @@ impl Facts {
 fn predicted(
     folder: &RunFolder,
     dataset: &Dataset,
-    numbers: &Numbers<'_>,
+    camera: &mut Camera<'_>,
     run: &RunText,
     audience: Audience,
 ) -> Result<Option<Predicted>, ReportError> {
@@ -133,17 +148,17 @@ fn predicted(
             .map(f64::from)
             .collect::<Vec<_>>(),
     );
-    let picture = |&episode: &usize| {
+    let mut shot = |&episode: &usize| {
         let length = dataset.episodes()[episode].len;
         let whole = (u32::try_from(episode).ok()).zip(u32::try_from(length).ok());
         let segment =
             whole.and_then(|(episode, length)| Segment::new(dataset, episode, 0, length).ok());
-        segment.map(|segment| numbers.picture(segment))
+        segment.map(|segment| camera.shoot(segment))
     };
     let truth = dataset.only_reward().is_none();
     Ok(Some(Predicted {
-        best: order.iter().take(SHOWN).filter_map(picture).collect(),
-        worst: order.iter().rev().take(SHOWN).filter_map(picture).collect(),
+        best: order.iter().take(SHOWN).filter_map(&mut shot).collect(),
+        worst: order.iter().rev().take(SHOWN).filter_map(shot).collect(),
         returns_true: truth.then(|| dataset.episodes().iter().map(|it| it.return_true).collect()),
         border: border.map(|border| border.threshold().return_hat),
         returns_hat,

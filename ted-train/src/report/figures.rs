@@ -9,6 +9,7 @@ use plotters::prelude::*;
 use super::ReportError;
 use super::facts::{Curve, Predicted};
 use crate::evaluate::Evaluation;
+use crate::statistics::Estimate;
 
 /// Width and height of a plot.
 const SIZE: (u32, u32) = (560, 360);
@@ -151,6 +152,47 @@ pub(super) fn flights(
                 Circle::new((x, middle + aside), 4, colour.mix(0.7).filled())
             }))?;
             let at = chart.backend_coord(&(around(&all).start, middle));
+            let style = ("sans-serif", 13).into_text_style(root);
+            root.draw_text(name, &style, (12, at.1 - 8))?;
+        }
+        Ok(())
+    })
+}
+
+/// Numbers with their intervals, a line each.
+pub(super) fn estimates(rows: &[(String, Estimate)]) -> Result<String, ReportError> {
+    const NAMES: u32 = 240;
+    const LINE_HEIGHT: u32 = 22;
+    let count = u32::try_from(rows.len()).unwrap_or(u32::MAX);
+    let ends = |it: &Estimate| it.interval.unwrap_or([it.value; 2]);
+    let all = rows.iter().flat_map(|(_, it)| ends(it));
+    let range = around(&all.chain([0.0, 1.0]).collect::<Vec<_>>());
+    drawn((SIZE.0 + NAMES, 60 + LINE_HEIGHT * count), |root| {
+        let top = rows.len() as f64;
+        let mut chart = ChartBuilder::on(root)
+            .margin(12)
+            .margin_right(28)
+            .x_label_area_size(36)
+            .y_label_area_size(NAMES)
+            .build_cartesian_2d(range.clone(), 0.0..top)?;
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
+            .disable_y_mesh()
+            .y_labels(0)
+            .x_desc("mean score, and its 95 % interval")
+            .draw()?;
+        for (row, (name, it)) in rows.iter().enumerate() {
+            let middle = top - 0.5 - row as f64;
+            let [low, high] = ends(it);
+            chart.draw_series(LineSeries::new(
+                [(low, middle), (high, middle)],
+                ABOVE.stroke_width(3),
+            ))?;
+            chart.draw_series([Circle::new((it.value, middle), 5, ABOVE.filled())])?;
+            let at = chart.backend_coord(&(range.start, middle));
             let style = ("sans-serif", 13).into_text_style(root);
             root.draw_text(name, &style, (12, at.1 - 8))?;
         }

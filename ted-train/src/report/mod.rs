@@ -4,6 +4,8 @@ mod clip;
 mod facts;
 mod figures;
 mod page;
+mod shot;
+pub mod study;
 mod verdict;
 
 pub use verdict::{Comparison, Verdict};
@@ -45,17 +47,18 @@ pub enum ReportError {
 }
 
 /// Writes the report of a run to `out`, and returns what its first line says. What there is not yet is left out: answers of a run
-/// that asked nobody, flights of one that nobody flew.
+/// that asked nobody, flights of one that nobody flew. The dataset is the one in the folder `at`.
 ///
 /// # Errors
 /// When a file of the run cannot be read, or the page not be written.
 pub fn report(
     folder: &RunFolder,
     dataset: &Dataset,
+    at: &Path,
     out: &Path,
     audience: Audience,
 ) -> Result<Verdict, ReportError> {
-    let facts = Facts::gather(folder, dataset, audience)?;
+    let facts = Facts::gather(folder, dataset, at, audience)?;
     let page = page::page(&facts)?.into_string();
     disk::replace(out, page.as_bytes())?;
     Ok(facts.verdict)

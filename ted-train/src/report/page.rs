@@ -7,7 +7,7 @@ use super::ReportError;
 use super::clip::{clips, legend};
 use super::facts::{Asked, Curve, Facts, Predicted};
 use super::figures;
-use crate::ask::Picture;
+use super::shot::{Flown, Shot};
 use crate::evaluate::Evaluation;
 use crate::preferences::Answer;
 use crate::quantise::QuantisationReport;
@@ -26,7 +26,25 @@ pub(super) fn page(facts: &Facts) -> Result<Markup, ReportError> {
         run.dataset.id,
         run.config.seed
     );
-    Ok(html! {
+    let body = html! {
+        h1 { (title) }
+        p .verdict { (facts.verdict.words) }
+        @if let Some(confidence) = run.reward.as_ref().and_then(|reward| reward.confidence.as_ref()) {
+            p { "What the answers say: " (confidence.in_words()) "." }
+        }
+        @if let Some(flown) = &run.evaluation { (flights(flown, facts)?) }
+        @if !facts.asked.is_empty() { (asked(&facts.asked)) }
+        @if let Some(predicted) = &facts.predicted { (predictions(facts, predicted)?) }
+        @if !facts.curves.is_empty() { (curves(&facts.curves)?) }
+        @if let Some(integers) = &facts.integers { (quantisation(integers, &facts.actions)) }
+        (provenance(facts))
+    };
+    Ok(sheet(&title, &body))
+}
+
+/// A page that needs nothing else.
+pub(super) fn sheet(title: &str, body: &Markup) -> Markup {
+    html! {
         (DOCTYPE)
         html lang="en" {
             head {
@@ -35,34 +53,18 @@ pub(super) fn page(facts: &Facts) -> Result<Markup, ReportError> {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body {
-                main {
-                    h1 { (title) }
-                    p .verdict { (facts.verdict.words) }
-                    @if let Some(confidence) = run.reward.as_ref().and_then(|reward| reward.confidence.as_ref()) {
-                        p { "What the answers say: " (confidence.in_words()) "." }
-                    }
-                    @if let Some(flown) = &run.evaluation { (flights(flown, facts.clone.as_ref(), facts.verdict.logs.is_some())?) }
-                    @if !facts.asked.is_empty() { (asked(&facts.asked)) }
-                    @if let Some(predicted) = &facts.predicted { (predictions(facts, predicted)?) }
-                    @if !facts.curves.is_empty() { (curves(&facts.curves)?) }
-                    @if let Some(integers) = &facts.integers { (quantisation(integers, &facts.actions)) }
-                    (provenance(facts))
-                }
-            }
+            body { main { (PreEscaped(&body.0)) } }
         }
-    })
+    }
 }
 
-fn plot(svg: String, label: &str) -> Markup {
+/// A picture, and what it shows for those who do not see it.
+pub(super) fn plot(svg: String, label: &str) -> Markup {
     html! { figure .plot role="img" aria-label=(label) { (PreEscaped(svg)) } }
 }
 
-fn flights(
-    flown: &Evaluation,
-    clone: Option<&Evaluation>,
-    rewarded: bool,
-) -> Result<Markup, ReportError> {
+fn flights(flown: &Evaluation, facts: &Facts) -> Result<Markup, ReportError> {
+    let (clone, rewarded) = (facts.clone.as_ref(), facts.verdict.logs.is_some());
     let of_logs = normalised_score(flown.dataset_mean, flown.dataset_max);
     let row = |name: &str, it: &Evaluation| {
         html! {
@@ -95,8 +97,27 @@ fn flights(
                 @if rewarded { " Score: mean return over the largest return in the logs, " (format!("{:.0}", flown.dataset_max)) "." }
             }
             (plot(figures::flights(flown, clone, rewarded)?, "the return of every flight, beside mean and largest return of the logs"))
+            @if let Some(flight) = &facts.flight { (one_flight(flight, flown.returns.len())) }
         }
     })
+}
+
+fn one_flight(flight: &Flown, of: usize) -> Markup {
+    let success = match flight.success {
+        true => "a success",
+        false => "no success",
+    };
+    let caption = format!(
+        "flight {} of {of}, return {:.0}, {success}",
+        flight.place + 1,
+        flight.return_true
+    );
+    html! {
+        h3 { "A flight like most" }
+        (legend(&flight.shot))
+        (clips([(&flight.shot, caption)]))
+        p .small { "The one whose return is nearest the mean." }
+    }
 }
 
 fn asked(asked: &[Asked]) -> Markup {
@@ -110,36 +131,41 @@ fn asked(asked: &[Asked]) -> Markup {
     html! {
         section {
             h2 { "What was asked and answered" }
-            @if let Some(first) = asked.first() { (legend(&first.pictures[0])) }
+            @if let Some(first) = asked.first() { @if let Some([shot, _]) = &first.shots { (legend(shot)) } }
             @if asked.iter().any(|it| it.entry.question.why.as_ref().is_some_and(|why| why.contains("whereabouts"))) {
-                p .small { "Whereabouts are the directions in which the mean observations of episodes differ most; `ted inspect DATASET --look` says what each is made of." }
+                p .small { "Whereabouts are the directions in which the mean observations of episodes differ most; " code { "ted inspect DATASET --look" } " says what each is made of." }
             }
             @for (number, it) in asked.iter().enumerate() {
                 div .question {
                     h3 { (number + 1) ". " (it.entry.said.by) ": " (said(it)) }
                     @if let Some(why) = &it.entry.question.why { p .small { "Asked because " (why) "." } }
-                    (clips(&it.pictures, &it.pictures.iter().map(caption).collect::<Vec<_>>()))
+                    @if let Some(shots) = &it.shots { (clips(shots.iter().map(|shot| (shot, caption(shot))))) }
+                    @else { p { "Episodes " (it.entry.question.query.segments[0].episode()) " and " (it.entry.question.query.segments[1].episode()) "." } }
                 }
             }
         }
     }
 }
 
-fn caption(picture: &Picture) -> String {
-    let last = picture.last_step();
-    format!(
-        "episode {}, steps {} to {last}",
-        picture.episode, picture.start
-    )
+fn caption(Shot { picture, .. }: &Shot) -> String {
+    let (episode, first, last) = (picture.episode, picture.start, picture.last_step());
+    format!("episode {episode}, steps {first} to {last}")
+}
+
+/// Episodes, each with what is predicted of it.
+fn captioned<'a>(
+    shots: &'a [Shot],
+    predicted: &Predicted,
+) -> impl Iterator<Item = (&'a Shot, String)> {
+    shots.iter().map(|shot| {
+        let episode = shot.picture.episode;
+        let hat = predicted.returns_hat[episode as usize];
+        let caption = format!("episode {episode}, predicted return {hat:.1}");
+        (shot, caption)
+    })
 }
 
 fn predictions(facts: &Facts, predicted: &Predicted) -> Result<Markup, ReportError> {
-    let captions = |episodes: &[Picture]| -> Vec<String> {
-        let hat = |picture: &Picture| predicted.returns_hat[picture.episode as usize];
-        (episodes.iter())
-            .map(|it| format!("episode {}, predicted return {:.1}", it.episode, hat(it)))
-            .collect()
-    };
     let scatter = (predicted.returns_true.as_deref())
         .map(|truth| figures::predicted_against_true(predicted, truth))
         .transpose()?;
@@ -149,9 +175,9 @@ fn predictions(facts: &Facts, predicted: &Predicted) -> Result<Markup, ReportErr
             @if let Some(reward) = &facts.run.reward { (quality(reward)) }
             h3 { "The best by prediction" }
             @if let Some(first) = predicted.best.first() { (legend(first)) }
-            (clips(&predicted.best, &captions(&predicted.best)))
+            (clips(captioned(&predicted.best, predicted)))
             h3 { "The worst by prediction" }
-            (clips(&predicted.worst, &captions(&predicted.worst)))
+            (clips(captioned(&predicted.worst, predicted)))
             @if let Some(scatter) = scatter {
                 h3 { "Predicted against true returns" }
                 (plot(scatter, "predicted against true returns of all episodes, with the line on which they are equal"))

@@ -50,7 +50,7 @@ impl Cache {
         sender
     }
 
-    fn put(&self, episode: u32, step: u32, jpeg: &[u8]) -> Result<(), WriteError> {
+    pub fn put(&self, episode: u32, step: u32, jpeg: &[u8]) -> Result<(), WriteError> {
         let path = self.path(episode, step);
         disk::create_folder(path.parent().unwrap_or(&self.folder))?;
         disk::replace(&path, jpeg)

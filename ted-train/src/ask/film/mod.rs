@@ -6,6 +6,7 @@
 
 mod cache;
 mod plan;
+mod reel;
 mod simulator;
 mod studio;
 #[cfg(test)]
@@ -13,12 +14,21 @@ mod tests;
 
 use std::path::Path;
 
+use firmware_sim::bridge::Look;
 use thiserror::Error;
 
 use crate::dataset::Dataset;
 use cache::Cache;
+pub use reel::Reel;
 use simulator::Simulator;
 pub use studio::{Progress, Studio};
+
+/// What a processor without a GPU draws in some 25 ms. `docs/ask.md` has the measurement.
+const LOOK: Look = Look {
+    width: 400,
+    height: 300,
+    quality: 80,
+};
 
 /// Why there is no film, in words that stand behind "No pictures:".
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -43,7 +53,7 @@ pub trait FilmSource: Send {
 /// The studio for a dataset in this folder: one that is closed, with the reason, where nothing can make its films.
 #[must_use]
 pub fn studio(dataset: &Dataset, folder: &Path) -> Studio {
-    match Simulator::of(dataset, folder) {
+    match Simulator::of(dataset, folder, LOOK) {
         Ok(simulator) => {
             let cache = Cache::beside(folder, &simulator.key(dataset));
             Studio::open(simulator, Some(cache))

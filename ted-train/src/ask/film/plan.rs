@@ -30,13 +30,24 @@ pub(super) struct Batch {
 
 impl Plan {
     pub fn of(segment: Segment) -> Self {
-        let every = segment.len().div_ceil(STILLS);
+        Self::new(segment.episode(), segment.start(), segment.len())
+    }
+
+    /// Of so many steps of an episode, from this one on.
+    pub fn new(episode: u32, start: u32, steps: u32) -> Self {
+        let every = steps.div_ceil(STILLS).max(1);
         Self {
-            episode: segment.episode(),
-            start: segment.start(),
+            episode,
+            start,
             every,
-            stills: segment.len().div_ceil(every),
+            stills: steps.div_ceil(every),
         }
+    }
+
+    /// The steps that the first pass shows, in their order.
+    pub fn first_pass(&self) -> Vec<u32> {
+        let first = (0..self.stills).filter(|&still| self.is_first(still));
+        first.map(|still| self.step(still)).collect()
     }
 
     /// The step that a still shows.

@@ -3,34 +3,30 @@
 use std::path::{Path, PathBuf};
 
 use firmware_sim::bridge::message::FaultCode;
-use firmware_sim::bridge::{BridgeError, Environment, Look, PictureJob, Worker, environment};
+use firmware_sim::bridge::{
+    BridgeError, Environment, Look, PictureJob, State, Worker, environment,
+};
 use firmware_sim::tasks;
 
 use super::{FilmSource, NoFilm};
 use crate::dataset::{Dataset, minari};
 
-/// What a processor without a GPU draws in some 25 ms. `docs/ask.md` has the measurement.
-const LOOK: Look = Look {
-    width: 400,
-    height: 300,
-    quality: 80,
-};
-
 /// Draws the states of a dataset in a worker of its own.
 pub(super) struct Simulator {
     environment: Environment,
     worker: Option<Worker>,
+    look: Look,
     dataset: PathBuf,
     task: String,
     seeds: Vec<Option<u64>>,
 }
 
 impl Simulator {
-    /// Of a dataset in this folder. Nothing is installed for it, and nothing started yet.
+    /// Of a dataset in this folder, in pictures of this look. Nothing is installed for it, and nothing started yet.
     ///
     /// # Errors
     /// When it is no dataset of Meta-World, or the simulator is not installed.
-    pub fn of(dataset: &Dataset, folder: &Path) -> Result<Self, NoFilm> {
+    pub fn of(dataset: &Dataset, folder: &Path, look: Look) -> Result<Self, NoFilm> {
         let task = dataset.task().filter(|task| tasks::single(task).is_ok());
         let task = task.ok_or_else(|| {
             NoFilm("no simulator knows these logs, so only numbers can be drawn".into())
@@ -46,6 +42,7 @@ impl Simulator {
         Ok(Self {
             environment,
             worker: None,
+            look,
             dataset: folder.to_path_buf(),
             task: task.to_owned(),
             seeds: dataset.episodes().iter().map(|it| it.seed).collect(),
@@ -58,7 +55,7 @@ impl Simulator {
             width,
             height,
             quality,
-        } = LOOK;
+        } = self.look;
         let (drawn, data) = (environment::drawing_digest(), dataset.digest());
         let short = |digest: &str| digest.chars().take(8).collect::<String>();
         format!(
@@ -68,7 +65,24 @@ impl Simulator {
         )
     }
 
-    /// Pictures on the worker that is there, or on a fresh one.
+    /// A picture of each of these states of the episode of a seed, on the worker that is there, or on a fresh one.
+    ///
+    /// # Errors
+    /// When they cannot be made, also on another worker.
+    pub fn draw(&mut self, seed: u64, states: Vec<State>) -> Result<Vec<Vec<u8>>, NoFilm> {
+        let job = PictureJob {
+            task: self.task.clone(),
+            seed,
+            look: self.look,
+            states,
+        };
+        let drawn = match self.render(&job) {
+            Err(error) if error.is_worker_failure() => self.render(&job),
+            drawn => drawn,
+        };
+        drawn.map_err(why)
+    }
+
     fn render(&mut self, job: &PictureJob) -> Result<Vec<Vec<u8>>, BridgeError> {
         let mut worker = match self.worker.take() {
             Some(worker) => worker,
@@ -80,41 +94,22 @@ impl Simulator {
         }
         Ok(drawn?.jpegs)
     }
+}
 
-    fn job(&self, episode: u32, steps: &[u32]) -> Result<PictureJob, NoFilm> {
+impl FilmSource for Simulator {
+    fn prepare(&mut self) -> Result<(), NoFilm> {
+        self.draw(0, Vec::new()).map(drop)
+    }
+
+    fn stills(&mut self, episode: u32, steps: &[u32]) -> Result<Vec<Vec<u8>>, NoFilm> {
         let seed = self.seeds.get(episode as usize).copied().flatten();
         let states =
             minari::states(&self.dataset, episode).map_err(|error| NoFilm(error.to_string()))?;
         let unknown = || NoFilm("the logs do not hold the simulator's states".into());
         let (seed, states) = seed.zip(states).ok_or_else(unknown)?;
         let chosen = steps.iter().map(|&step| states.get(step as usize).cloned());
-        Ok(PictureJob {
-            task: self.task.clone(),
-            seed,
-            look: LOOK,
-            states: chosen.collect::<Option<_>>().ok_or_else(unknown)?,
-        })
-    }
-}
-
-impl FilmSource for Simulator {
-    fn prepare(&mut self) -> Result<(), NoFilm> {
-        let nothing = PictureJob {
-            task: self.task.clone(),
-            seed: 0,
-            look: LOOK,
-            states: Vec::new(),
-        };
-        self.render(&nothing).map_err(why).map(drop)
-    }
-
-    fn stills(&mut self, episode: u32, steps: &[u32]) -> Result<Vec<Vec<u8>>, NoFilm> {
-        let job = self.job(episode, steps)?;
-        let drawn = match self.render(&job) {
-            Err(error) if error.is_worker_failure() => self.render(&job),
-            drawn => drawn,
-        };
-        drawn.map_err(why)
+        let chosen = chosen.collect::<Option<_>>().ok_or_else(unknown)?;
+        self.draw(seed, chosen)
     }
 }
 

@@ -192,14 +192,14 @@ impl Shared {
 }
 
 /// A still, and whether it comes from the cache.
-struct Made {
-    step: u32,
-    jpeg: Bytes,
-    kept: bool,
+pub(super) struct Made {
+    pub step: u32,
+    pub jpeg: Bytes,
+    pub kept: bool,
 }
 
 /// Takes stills from the cache, and has the source make the others.
-fn made(
+pub(super) fn made(
     source: &mut impl FilmSource,
     ready: &Result<(), NoFilm>,
     cache: Option<&Cache>,
