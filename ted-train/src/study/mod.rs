@@ -3,6 +3,7 @@
 pub mod answers;
 pub mod cells;
 pub mod fill;
+pub mod grid;
 pub mod paper;
 pub mod policies;
 pub mod reward;

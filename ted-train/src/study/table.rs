@@ -4,11 +4,29 @@ use std::collections::BTreeMap;
 
 use crate::reward::quality::RewardQuality;
 
+use super::grid::Grid;
 use super::run::RunScore;
 
-/// A Markdown table: a row for each task and preset, mean and sample standard deviation over seeds.
+/// What the columns are.
+const HEAD: [&str; 13] = [
+    "task",
+    "preset",
+    "seeds",
+    "return",
+    "normalised score",
+    "each seed",
+    "success",
+    "the paper's score",
+    "minutes",
+    "Spearman",
+    "low third",
+    "high third",
+    "transition Pearson",
+];
+
+/// A row for each task and preset, mean and sample standard deviation over seeds.
 #[must_use]
-pub fn table(scores: &[RunScore]) -> String {
+pub fn table(scores: &[RunScore]) -> Grid {
     let mut groups: BTreeMap<(&str, &str), Vec<&RunScore>> = BTreeMap::new();
     for score in scores {
         groups
@@ -16,10 +34,7 @@ pub fn table(scores: &[RunScore]) -> String {
             .or_default()
             .push(score);
     }
-    let mut rows = vec![
-        "| task | preset | seeds | return | normalised score | each seed | success | the paper's score | minutes | Spearman | low third | high third | transition Pearson |".to_owned(),
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|".to_owned(),
-    ];
+    let mut rows = Vec::new();
     for ((dataset, preset), group) in groups {
         let column = |digits: usize, value: &dyn Fn(&RunScore) -> f64| {
             let values: Vec<_> = group.iter().map(|s| value(s)).collect();
@@ -35,22 +50,27 @@ pub fn table(scores: &[RunScore]) -> String {
             }
             column(2, &|s| s.quality.as_ref().map_or(f64::NAN, value))
         };
-        rows.push(format!(
-            "| {dataset} | {preset} | {seeds} | {ret} | {score} | {each} | {success} | {paper} | {minutes} | {rho} | {low} | {high} | {transition} |",
-            seeds = group.len(),
-            ret = column(0, &|s| s.evaluation.return_mean),
-            score = column(3, &|s| s.evaluation.score.unwrap_or(f64::NAN)),
-            each = each.join(", "),
-            success = column(2, &|s| s.evaluation.success),
-            paper = paper_score(group[0]),
-            minutes = minutes(&group),
-            rho = quality(|it| it.spearman),
-            low = quality(|it| it.spearman_low_third),
-            high = quality(|it| it.spearman_high_third),
-            transition = quality(|it| it.transition_pearson),
-        ));
+        rows.push(vec![
+            dataset.to_owned(),
+            preset.to_owned(),
+            group.len().to_string(),
+            column(0, &|s| s.evaluation.return_mean),
+            column(3, &|s| s.evaluation.score.unwrap_or(f64::NAN)),
+            each.join(", "),
+            column(2, &|s| s.evaluation.success),
+            paper_score(group[0]),
+            minutes(&group),
+            quality(|it| it.spearman),
+            quality(|it| it.spearman_low_third),
+            quality(|it| it.spearman_high_third),
+            quality(|it| it.transition_pearson),
+        ]);
     }
-    rows.join("\n")
+    Grid {
+        head: HEAD.map(str::to_owned).to_vec(),
+        words: HEAD.len(),
+        rows,
+    }
 }
 
 fn paper_score(of: &RunScore) -> String {

@@ -10,7 +10,11 @@ use firmware_sim::output::OutputArgs;
 
 use crate::cli::failures::end;
 use crate::cli::locate::datasets_root;
-use crate::study::answers::{self, AnswerScore, Desk, Family, Method, Planned, Shard, tables};
+use crate::report;
+use crate::run::REPORT;
+use crate::study::answers::{
+    self, AnswerScore, Desk, Family, Method, Planned, Shard, markdown, sections,
+};
 use crate::study::cells;
 use crate::study::fill::Making;
 use crate::study::slurm::{Submission, Submitted};
@@ -18,6 +22,7 @@ use crate::study::slurm::{Submission, Submitted};
 const EXAMPLES: &str = "\
 Examples:
   ted study answers --table                            what docs/answers.jsonl says, as tables
+  ted study answers --table --page answers.html        the same as a page with pictures, too
   ted study answers --families ten,few --methods clone,steer
   ted study answers --shard 2/8                        the second of eight parts, for one of eight machines
   ted study merge docs/answers.*-of-8.jsonl --into docs/answers.jsonl
@@ -66,6 +71,9 @@ pub(super) struct AnswersArgs {
     /// Print the tables of what is finished and train nothing
     #[arg(long)]
     table: bool,
+    /// A file for the same as a page with pictures [default: report.html in --out, but none with --table]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["shard", "slurm"])]
+    page: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -100,7 +108,12 @@ pub(super) fn run(args: &AnswersArgs) -> Result<(), Failure> {
             ),
         ));
     }
-    args.output.print(&shown, || tables(&planned, &lines))
+    let sections = sections(&planned, &lines);
+    let after_all = || (!args.table).then(|| args.out.join(REPORT));
+    if let Some(page) = args.page.clone().or_else(after_all) {
+        report::study::answers(&sections, &page).map_err(end)?;
+    }
+    args.output.print(&shown, || markdown(&sections))
 }
 
 fn make(args: &AnswersArgs, planned: &[Planned]) -> Result<(), Failure> {

@@ -13,6 +13,8 @@ use crate::cli::locate::dataset_path;
 use crate::cli::presets::{self, PresetArg};
 use crate::cli::seeds::Seeds;
 use crate::config::Preset;
+use crate::report;
+use crate::run::REPORT;
 use crate::study::fill::Making;
 use crate::study::policies;
 use crate::study::table::table;
@@ -64,6 +66,9 @@ pub(super) struct PoliciesArgs {
     /// Print the table of what is finished and train nothing
     #[arg(long)]
     table: bool,
+    /// A file for the same as a page [default: report.html in --out, but none with --table]
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -108,5 +113,10 @@ pub(super) fn run(args: &PoliciesArgs) -> Result<(), Failure> {
             ),
         ));
     }
-    args.output.print(&scores, || table(&scores))
+    let table = table(&scores);
+    let after_all = || (!args.table).then(|| args.out.join(REPORT));
+    if let Some(page) = args.page.clone().or_else(after_all) {
+        report::study::policies(&table, &page).map_err(end)?;
+    }
+    args.output.print(&scores, || table.markdown())
 }

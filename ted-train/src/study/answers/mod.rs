@@ -21,7 +21,7 @@ pub use method::Method;
 pub use plan::{Desk, Planned, plan, to_make};
 pub use rows::{Family, Log, Row, rows};
 pub use shard::Shard;
-pub use table::tables;
+pub use table::{Aggregate, Section, markdown, sections};
 
 use std::path::Path;
 

@@ -2,12 +2,43 @@
 
 use super::{AnswerScore, Estimate, Family, Method, Planned};
 use crate::statistics::{interquartile_mean, mean};
+use crate::study::grid::Grid;
 use crate::study::run::RunScore;
 
-/// The Markdown tables of each family that has a score, in the order of the plan.
+/// What is known of a family.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Which one.
+    pub family: Family,
+    /// Finished runs, and how many there will be.
+    pub runs: [usize; 2],
+    /// Mean score and mean success of each row and method.
+    pub rows: Grid,
+    /// What they come to together.
+    pub aggregates: Vec<Aggregate>,
+}
+
+/// What the runs of a method come to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aggregate {
+    /// On which logs and with which teacher.
+    pub variant: &'static str,
+    /// The method.
+    pub method: Method,
+    /// Finished runs.
+    pub runs: usize,
+    /// Mean score over the tasks.
+    pub score: Option<Estimate>,
+    /// The mean of the middle half of the runs.
+    pub iqm: Option<Estimate>,
+    /// Mean success over the tasks.
+    pub success: Option<Estimate>,
+}
+
+/// Each family that has a score, in the order of the plan.
 #[must_use]
-pub fn tables(planned: &[Planned], lines: &[AnswerScore]) -> String {
-    let families = Family::ALL.into_iter().filter_map(|family| {
+pub fn sections(planned: &[Planned], lines: &[AnswerScore]) -> Vec<Section> {
+    let section = |family: Family| {
         let of_family = planned.iter().filter(|one| one.family == family);
         let runs: Vec<Shown<'_>> = of_family
             .map(|one| Shown {
@@ -16,19 +47,66 @@ pub fn tables(planned: &[Planned], lines: &[AnswerScore]) -> String {
             })
             .collect();
         let made = runs.iter().filter(|one| one.score.is_some()).count();
-        let heading = || {
-            format!(
-                "**{}** (`{}`), {made} of {} runs\n\n{}\n\n{}",
-                family.title(),
-                family.name(),
-                runs.len(),
-                rows(&runs),
-                aggregates(&runs)
-            )
+        (made > 0).then(|| Section {
+            family,
+            runs: [made, runs.len()],
+            rows: rows(&runs),
+            aggregates: aggregates(&runs),
+        })
+    };
+    Family::ALL.into_iter().filter_map(section).collect()
+}
+
+/// All of them in Markdown.
+#[must_use]
+pub fn markdown(sections: &[Section]) -> String {
+    let text = |section: &Section| {
+        let (heading, rows) = (section.heading(), section.rows.markdown());
+        format!(
+            "**{}** (`{}`), {heading}\n\n{rows}\n\n{}",
+            section.family.title(),
+            section.family.name(),
+            section.together().markdown()
+        )
+    };
+    sections.iter().map(text).collect::<Vec<_>>().join("\n\n")
+}
+
+impl Section {
+    /// How much of it is there.
+    #[must_use]
+    pub fn heading(&self) -> String {
+        let [made, all] = self.runs;
+        format!("{made} of {all} runs")
+    }
+
+    /// The aggregates as a table.
+    #[must_use]
+    pub fn together(&self) -> Grid {
+        let row = |it: &Aggregate| {
+            vec![
+                it.variant.to_owned(),
+                it.method.name().to_owned(),
+                it.runs.to_string(),
+                estimate(it.score),
+                estimate(it.iqm),
+                estimate(it.success),
+            ]
         };
-        (made > 0).then(heading)
-    });
-    families.collect::<Vec<_>>().join("\n\n")
+        let head = [
+            "logs and teacher",
+            "method",
+            "runs",
+            "mean score",
+            "IQM",
+            "success",
+        ];
+        Grid {
+            head: head.map(str::to_owned).to_vec(),
+            words: 2,
+            rows: self.aggregates.iter().map(row).collect(),
+        }
+    }
 }
 
 /// A run, and what it came to if it is finished.
@@ -38,11 +116,11 @@ struct Shown<'a> {
 }
 
 /// Mean score and mean success of each row and method.
-fn rows(runs: &[Shown<'_>]) -> String {
+fn rows(runs: &[Shown<'_>]) -> Grid {
     let methods = in_order(runs, |one| one.method);
     let mut head = vec!["logs and teacher", "task"];
     head.extend(methods.iter().map(|method| method.name()));
-    let mut lines = vec![row(head.iter()), rule(2, methods.len())];
+    let mut rows = Vec::new();
     for (variant, task) in in_order(runs, |one| (one.variant, one.task)) {
         let mut cells = vec![variant.to_owned(), task.to_owned()];
         cells.extend(methods.iter().map(|method| {
@@ -52,9 +130,13 @@ fn rows(runs: &[Shown<'_>]) -> String {
             };
             cell(&runs.iter().filter(of_cell).collect::<Vec<_>>())
         }));
-        lines.push(row(cells.iter()));
+        rows.push(cells);
     }
-    lines.join("\n")
+    Grid {
+        head: head.into_iter().map(str::to_owned).collect(),
+        words: 2,
+        rows,
+    }
 }
 
 /// Score and success beside each other, with the number of seeds where some are still missing.
@@ -77,23 +159,15 @@ fn cell(runs: &[&Shown<'_>]) -> String {
 }
 
 /// What each variant comes to for each method, and all of them for a method that has something of every variant.
-fn aggregates(runs: &[Shown<'_>]) -> String {
-    let head = [
-        "logs and teacher",
-        "method",
-        "runs",
-        "mean score",
-        "IQM",
-        "success",
-    ];
-    let mut lines = vec![row(head.iter()), rule(2, 4)];
+fn aggregates(runs: &[Shown<'_>]) -> Vec<Aggregate> {
+    let mut all = Vec::new();
     let variants = in_order(runs, |one| one.variant);
     let has = |variant: &str, method: Method| {
         let of_variant = |one: &&Shown<'_>| one.planned.variant == variant;
         let mut runs = runs.iter().filter(of_variant);
         runs.any(|one| one.planned.method == method && one.score.is_some())
     };
-    let mut add = |name: &str, method: Method, of: &dyn Fn(&Planned) -> bool| {
+    let mut add = |variant: &'static str, method: Method, of: &dyn Fn(&Planned) -> bool| {
         let of_method = |one: &&Shown<'_>| one.planned.method == method && of(one.planned);
         let of_method: Vec<&Shown<'_>> = runs.iter().filter(of_method).collect();
         let strata = |value: fn(&RunScore) -> Option<f64>| {
@@ -109,15 +183,14 @@ fn aggregates(runs: &[Shown<'_>]) -> String {
         let successes = strata(|it| Some(it.evaluation.success));
         let made = of_method.iter().filter(|one| one.score.is_some()).count();
         if made > 0 {
-            let cells = [
-                name.to_owned(),
-                method.name().to_owned(),
-                made.to_string(),
-                estimate(Estimate::of(&scores, mean)),
-                estimate(Estimate::of(&scores, interquartile_mean)),
-                estimate(Estimate::of(&successes, mean)),
-            ];
-            lines.push(row(cells.iter()));
+            all.push(Aggregate {
+                variant,
+                method,
+                runs: made,
+                score: Estimate::of(&scores, mean),
+                iqm: Estimate::of(&scores, interquartile_mean),
+                success: Estimate::of(&successes, mean),
+            });
         }
     };
     for variant in &variants {
@@ -132,7 +205,7 @@ fn aggregates(runs: &[Shown<'_>]) -> String {
             }
         }
     }
-    lines.join("\n")
+    all
 }
 
 fn estimate(it: Option<Estimate>) -> String {
@@ -157,13 +230,4 @@ fn in_order_of<K: PartialEq>(runs: &[&Shown<'_>], key: impl Fn(&Planned) -> K) -
         }
     }
     keys
-}
-
-fn row(cells: impl Iterator<Item = impl AsRef<str>>) -> String {
-    let cells: Vec<String> = cells.map(|cell| cell.as_ref().to_owned()).collect();
-    format!("| {} |", cells.join(" | "))
-}
-
-fn rule(words: usize, numbers: usize) -> String {
-    format!("|{}{}", "---|".repeat(words), "---:|".repeat(numbers))
 }

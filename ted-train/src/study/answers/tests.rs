@@ -220,8 +220,8 @@ fn a_table_has_score_and_success_of_every_row_and_says_what_is_missing() {
 |---|---|---:|---:|---:|---:|
 | paper | clone | 6 | 0.25 [0.08, 0.42] | 0.25 [0.06, 0.44] | 0.00 [0.00, 0.00] |
 | paper | steer | 5 | 0.19 [0.04, 0.33] | 0.17 [0.00, 0.42] | 1.00 [1.00, 1.00] |";
-    assert_eq!(tables(&planned, &lines), expected);
-    assert_eq!(tables(&planned, &[]), "");
+    assert_eq!(markdown(&sections(&planned, &lines)), expected);
+    assert_eq!(sections(&planned, &[]), []);
 }
 
 #[test]

@@ -148,7 +148,7 @@ fn a_score_outlives_the_folder_of_its_run_and_belongs_to_one_configuration() {
     let found = scores(&runs);
     assert_eq!(found.len(), 2);
     assert_eq!(found[1].config.seed, 1);
-    let table = crate::study::table::table(&found);
+    let table = crate::study::table::table(&found).markdown();
     let row = table.lines().last().unwrap();
     assert!(row.starts_with("| reach-v3 | true | 2 |"), "{row}");
     assert!(row.contains("0.250, 0.250"), "{row}");
