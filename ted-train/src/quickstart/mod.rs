@@ -51,8 +51,8 @@ pub struct QuickstartConfig {
     pub seed: u64,
     /// Simulator processes.
     pub workers: usize,
-    /// Whether a person answers, and not the simulated teacher.
-    pub asked: bool,
+    /// How many answers a person gives; none where the simulated teacher answers.
+    pub asked: Option<usize>,
 }
 
 /// What a quickstart learns from.
@@ -127,7 +127,11 @@ impl QuickstartConfig {
     /// # Errors
     /// When the number of updates is zero.
     pub fn training(&self) -> Result<Config, ConfigError> {
-        self.reduced(Preset::default())
+        let config = self.reduced(Preset::default())?;
+        Ok(match self.asked {
+            Some(answers) => config.asking(answers),
+            None => config,
+        })
     }
 
     /// The run, for who asks its questions.
@@ -171,7 +175,7 @@ impl QuickstartConfig {
     /// One folder for each choice, so that another size is another run.
     fn run_folder(&self, preset: Preset) -> PathBuf {
         let (episodes, steps, seed) = (self.episodes, self.steps, self.seed);
-        let asked = if self.asked && preset != Preset::Bc {
+        let asked = if self.asked.is_some() && preset != Preset::Bc {
             "-asked"
         } else {
             ""
@@ -332,7 +336,7 @@ mod tests {
             steps: 7,
             seed: 5,
             workers: 1,
-            asked: false,
+            asked: None,
         }
     }
 

@@ -115,7 +115,7 @@ impl RunFolder {
             _lock: Some(disk::lock(path)?),
         };
         if !Self::holds(path, config)? {
-            disk::replace(&folder.config_path(), config.to_toml().as_bytes())?;
+            folder.reconfigure(config)?;
         }
         if folder.file(DATASET).exists() {
             let held: DatasetReference = folder.read_json(DATASET)?;
@@ -128,6 +128,14 @@ impl RunFolder {
         }
         folder.write_json(DATASET, dataset)?;
         Ok(folder)
+    }
+
+    /// Takes this configuration in place of the one that the folder holds, as long as nothing was learned by that.
+    ///
+    /// # Errors
+    /// When the disk is full or fails; the folder then holds the one that it held.
+    pub fn reconfigure(&self, config: &Config) -> Result<(), WriteError> {
+        disk::replace(&self.config_path(), config.to_toml().as_bytes())
     }
 
     /// Whether the run of this configuration was begun in the folder; false when no run was.
