@@ -78,15 +78,15 @@ fn how_sure_it_is_and_how_far_the_ranking_moved_are_sentences() {
     );
     assert_eq!(
         moved,
-        "The answers so far (10) moved the ranking of the episodes much: its rank correlation with what was believed before any \
-         answer is 0.63."
+        "By the answers so far (10) the ranking of the episodes moved a lot: its rank correlation with what was believed before \
+         them is 0.63."
     );
     for (like_before, how) in [
-        (1.0, "hardly: "),
-        (0.95, "hardly: "),
-        (0.94, "somewhat: "),
-        (0.7, "somewhat: "),
-        (-0.001, "much: "),
+        (1.0, "hardly moved: "),
+        (0.95, "hardly moved: "),
+        (0.94, "moved somewhat: "),
+        (0.7, "moved somewhat: "),
+        (-0.001, "moved a lot: "),
     ] {
         let [_, moved] = says(3, Some(like_before)).try_into().unwrap();
         assert!(moved.contains(how) && !moved.contains("-0.00"), "{moved}");
@@ -131,7 +131,7 @@ fn answers_that_differ_and_those_held_to_be_slips_are_named_with_what_says_other
     // Who learns later knows of no slip, and sees as well as anybody where two answers differ.
     let unknown = Did::of(&said, None);
     assert!(unknown.pairs.is_empty());
-    assert!(unknown.says[0].starts_with("This preset learns from the answers after"));
+    assert!(unknown.says[0].starts_with("This preset has a ranking of the episodes only after"));
     let places: Vec<usize> = unknown.odd.iter().map(|it| it.place).collect();
     assert_eq!(places, [0, 2]);
 }

@@ -36,7 +36,7 @@ pub(super) struct AskArgs {
     /// The run's folder; runs/<task>/steer/seed-<seed> if not given
     #[arg(long)]
     out: Option<PathBuf>,
-    /// How many answers; 10 if not given
+    /// How many answers; 10 if not given. A folder in which more were wished for keeps its number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     answers: Option<u32>,
     /// Root of all randomness; 0 if not given

@@ -3,6 +3,7 @@
 
 mod browser;
 mod chromium;
+mod did;
 mod film;
 mod page;
 

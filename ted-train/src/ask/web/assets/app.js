@@ -143,6 +143,7 @@ function title(text) {
 async function show(next) {
   const before = scene;
   scene = next;
+  settled = 0;
   get("subtitle").textContent = fill("of-dataset", { dataset: scene.dataset });
   get("said").hidden = !["asking", "did", "review"].includes(scene.phase);
   get("odd").hidden = scene.phase !== "did";
@@ -218,6 +219,7 @@ async function look() {
 /// Lays the page out for a question, or for what the answers did.
 function lay(looking) {
   only("asking");
+  get("asking").classList.toggle("looking", looking);
   get("why").hidden = looking;
   get("answers").hidden = looking;
   get("did").hidden = !looking;
@@ -280,14 +282,16 @@ function showSaid() {
 async function say(word) {
   if (performance.now() < settled) return;
   settled = Infinity;
+  const { at } = scene;
   for (const button of says) button.disabled = true;
   try {
-    const taken = await server.say(scene.at, word);
+    const taken = await server.say(at, word);
     get("notice").textContent = taken ? "" : words["too-late"];
   } catch {
     get("notice").textContent = words.lost;
   }
-  settled = 0;
+  // What came of it may be there already.
+  if (scene.at === at) settled = 0;
 }
 
 /// Opens what the answers did, or leaves it.
