@@ -352,6 +352,17 @@ mod tests {
     }
 
     #[test]
+    fn who_answers_more_questions_gets_a_run_that_wants_as_many() {
+        let asked = QuickstartConfig {
+            asked: Some(15),
+            ..config()
+        };
+        let training = asked.training().unwrap();
+        assert_eq!(training.answers(), 15);
+        assert_eq!(training.asking(10), config().training().unwrap());
+    }
+
+    #[test]
     fn everything_is_written_below_one_folder() {
         let config = config();
         let [own, clone] = [Preset::default(), Preset::Bc].map(|it| config.run_folder(it));

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::browser::address;
 use super::chromium::Chromium;
 use super::page::{NAMELESS, REVIEW, asked};
-use super::{command, served, small, toy};
+use super::{about, command, served, small, toy, toy_of};
 use crate::command::{Desk, Ended, ended, finish, kill, lines, ted};
 
 /// Whether the page shows what the answers did.
@@ -132,6 +132,47 @@ fn whoever_looks_spends_no_question_and_five_more_outlive_a_kill_and_are_trained
     assert!(!next.contains("reward.queries=4"), "{next}");
     shell(&desk, &next).with(0);
     assert_eq!((lines(&log), learned_from(&desk)), (9, json!(9)));
+}
+
+#[test]
+fn answers_to_the_same_two_that_differ_are_named_and_can_be_asked_again() {
+    let desk = toy_of(3);
+    let (child, mut page) = served(about("ted/toy-paper-n3-s0-v0", &desk, "ask", "mine"));
+    for _ in 1..=3 {
+        let scene = page.until("asking");
+        page.say(&scene, json!({"say": "left"})).with(204);
+    }
+    // There are three pairs: one of them comes again, on the same sides or not.
+    let fourth = page.until("asking");
+    let before = fourth["said"].as_array().unwrap();
+    let same = before.iter().any(|it| it["episodes"] == fourth["episodes"]);
+    let other = if same { "right" } else { "left" };
+    page.say(&fourth, json!({"say": other})).with(204);
+    let review = page.until("review");
+    page.say(&review, json!({"say": "look"})).with(204);
+    let did = page.until("did");
+    let odd = did["odd"].as_array().unwrap();
+    let differ: Vec<&Value> = odd
+        .iter()
+        .filter(|it| it["says"].as_str().unwrap().contains("about the same two"))
+        .map(|it| &it["place"])
+        .collect();
+    assert_eq!(differ.len(), 2, "{odd:?}");
+    assert_eq!(differ[1], 3);
+    page.say(&did, json!({"say": "reopen", "place": 3}))
+        .with(204);
+    let again = page.until("asking");
+    assert_eq!(
+        (&again["number"], &again["episodes"]),
+        (&fourth["number"], &fourth["episodes"])
+    );
+    let same_as_before = if same { "left" } else { "right" };
+    page.say(&again, json!({"say": same_as_before})).with(204);
+    let review = page.until("review");
+    page.say(&review, json!({"say": "look"})).with(204);
+    let odd = page.until("did")["odd"].to_string();
+    assert!(!odd.contains("about the same two"), "{odd}");
+    assert!(kill(child));
 }
 
 /// A command whose terminal is typed to.

@@ -9,7 +9,9 @@ export function write(scene, { fill, label, again }) {
     it.textContent = text;
     return it;
   };
-  get("did-says").replaceChildren(...scene.says.map(paragraph));
+  const says = scene.says.map(paragraph);
+  if (scene.odd.length) says.push(way(fill("odd-below", { count: scene.odd.length })));
+  get("did-says").replaceChildren(...says);
   get("did-pair").textContent = scene.shown ? fill("did-pair", { pair: scene.pair + 1, pairs: scene.pairs }) : "";
   get("odd-heading").textContent = fill(scene.odd.length ? "odd-heading" : "odd-none");
   get("odd-list").replaceChildren(...scene.odd.map((odd) => line(odd, fill, again)));
@@ -30,6 +32,16 @@ export function captions(scene, fill) {
       clip: fill("did-clip", { episode, above: signed }),
     };
   });
+}
+
+/// A way to what stands under the clips.
+function way(text) {
+  const paragraph = document.createElement("p");
+  const link = document.createElement("a");
+  link.href = "#odd";
+  link.textContent = text;
+  paragraph.append(link);
+  return paragraph;
 }
 
 function line({ place, says }, fill, again) {
