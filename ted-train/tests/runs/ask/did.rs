@@ -264,9 +264,7 @@ fn in_a_browser_somebody_looks_turns_pages_and_answers_five_more_across_a_kill()
     page.photograph("did");
     let best = page.run(shown);
     assert!(
-        best.as_str()
-            .unwrap()
-            .contains("deviations from the average"),
+        best.as_str().unwrap().contains("deviations from average"),
         "{best}"
     );
     // A digit answers nothing here, and turning the page leaves the focus where it is.
