@@ -152,7 +152,11 @@ impl RunFolder {
         if held == *config {
             Ok(true)
         } else {
-            let difference = first_difference(&held, config);
+            let mut difference = first_difference(&held, config);
+            let more = held.answers() > config.answers();
+            if more && config.asking(held.answers()) == held {
+                difference.push_str(", and --ask goes on with the answers that are there");
+            }
             Err(folder.other(format!("its config.toml differs: {difference}")))
         }
     }
@@ -409,6 +413,23 @@ mod tests {
         folder.save(&at(&other, 20)).unwrap();
         let newest = folder.newest_checkpoint(&config, Audience::Nobody);
         assert_eq!(newest, Some(at(&config, 10)));
+    }
+
+    #[test]
+    fn who_asks_for_fewer_answers_than_a_folder_has_is_told_how_to_keep_them() {
+        let temporary = tempfile::tempdir().unwrap();
+        let config = Preset::Steer.config();
+        let folder = begin(temporary.path(), &config);
+        let way_out = |config: &Config| {
+            let refused = RunFolder::holds(temporary.path(), config).unwrap_err();
+            refused.to_string().contains("--ask goes on")
+        };
+        assert!(!way_out(&config.asking(15)));
+        folder.reconfigure(&config.asking(15)).unwrap();
+        assert!(RunFolder::holds(temporary.path(), &config.asking(15)).unwrap());
+        assert!(way_out(&config));
+        let other = Config { seed: 1, ..config };
+        assert!(!way_out(&other));
     }
 
     #[test]
