@@ -119,6 +119,20 @@ impl AlgorithmConfig {
         }
     }
 
+    /// The same with so many answers, where the policy itself is learned from answers.
+    #[must_use]
+    pub fn asking(&self, answers: usize) -> Self {
+        match self {
+            Self::Oppo(config) => Self::Oppo(OppoConfig {
+                queries: answers,
+                ..config.clone()
+            }),
+            Self::Iql(_) | Self::Atac(_) | Self::Awr(_) | Self::Bc(_) | Self::Conditioned(_) => {
+                self.clone()
+            }
+        }
+    }
+
     /// Whether it looks at rewards, one by one or summed over episodes.
     #[must_use]
     pub fn reads_rewards(&self) -> bool {

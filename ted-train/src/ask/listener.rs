@@ -1,14 +1,18 @@
 //! The teacher that waits for a person.
 
+use super::more::MORE;
 use super::person::{Person, Reply, Turn};
 use crate::dataset::Dataset;
 use crate::preferences::{LogEntry, PreferenceError, Question, ReplayTeacher, Said, Teacher};
+use crate::reward::Questions;
 
 /// Why an interview was broken off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wish {
     /// The question of this place in the log is to be asked again.
     Reopen(usize),
+    /// So many answers are wanted.
+    Answers(usize),
     /// No more for now.
     Stop,
 }
@@ -17,7 +21,9 @@ pub(super) enum Wish {
 pub(super) struct Listener<'p> {
     pub person: &'p mut dyn Person,
     pub aside: Option<ReplayTeacher>,
+    pub questions: &'p dyn Questions,
     pub of: usize,
+    pub least: usize,
     pub by: &'p str,
     pub wish: Option<Wish>,
 }
@@ -46,13 +52,17 @@ impl Teacher for Listener<'_> {
             question,
             number: answered + 1,
             of: self.of,
+            least: self.least,
             before: asked,
+            questions: self.questions,
         });
         let (answer, later) = match reply {
             Reply::Answer(answer) => (Some(answer), false),
             Reply::CannotTell => (None, false),
             Reply::Later => (None, true),
             Reply::Reopen(place) => return Err(self.leave(Wish::Reopen(place))),
+            Reply::More => return Err(self.leave(Wish::Answers(self.of + MORE))),
+            Reply::Enough => return Err(self.leave(Wish::Answers(answered.max(self.least)))),
             Reply::Stop => return Err(self.leave(Wish::Stop)),
         };
         Ok(Said {

@@ -11,14 +11,17 @@
 //!   log     <--answer---        <--word---------  Desk <--POST /api/say---
 //! ```
 //!
-//! Neither end knows the other: a person at the terminal ([`Terminal`]) answers the same session.
+//! Neither end knows the other: a person at the terminal ([`Terminal`]) answers the same session. Whoever wants to know what the
+//! answers did ([`Did`]) is told at any time: it is worked out from the log when somebody looks, and changes nothing.
 
 mod aside;
 mod channels;
 mod clip;
+mod did;
 mod error;
 pub mod film;
 mod listener;
+mod more;
 mod person;
 mod session;
 mod terminal;
@@ -29,7 +32,9 @@ mod words;
 
 pub use channels::{Channels, Mark, Position};
 pub use clip::{ClipSource, Numbers, Picture, Place, Track};
+pub use did::{Did, Odd};
 pub use error::AskError;
+pub use more::begin;
 pub use person::{Person, Reply, Review, Turn, Verdict};
 pub use session::Session;
 pub use terminal::Terminal;

@@ -1,9 +1,11 @@
 //! Somebody who answers questions, wherever they sit.
 
+use super::Did;
 use crate::preferences::{Answer, LogEntry, Question};
+use crate::reward::Questions;
 
 /// A question that waits for an answer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Turn<'a> {
     /// What is asked.
     pub question: &'a Question,
@@ -11,17 +13,45 @@ pub struct Turn<'a> {
     pub number: usize,
     /// How many are wanted.
     pub of: usize,
+    /// How many were wanted before somebody wished for more.
+    pub least: usize,
     /// Everything before it, all of it on the disk.
     pub before: &'a [LogEntry],
+    /// Who asks, and knows what the answers did.
+    pub questions: &'a dyn Questions,
+}
+
+impl Turn<'_> {
+    /// What the answers before it did. Looking spends nothing.
+    #[must_use]
+    pub fn did(&self) -> Did {
+        Did::of(self.before, self.questions.standing(self.before).as_ref())
+    }
+
+    /// Whether there are enough answers without this one.
+    #[must_use]
+    pub fn is_extra(&self) -> bool {
+        self.number > self.least
+    }
 }
 
 /// Nothing is left to ask.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Review<'a> {
     /// Everything that was said, all of it on the disk.
     pub said: &'a [LogEntry],
     /// Why no more is asked, where answers are missing.
     pub stuck: Option<&'a str>,
+    /// Who asked, and knows what the answers did.
+    pub questions: &'a dyn Questions,
+}
+
+impl Review<'_> {
+    /// What the answers did.
+    #[must_use]
+    pub fn did(&self) -> Did {
+        Did::of(self.said, self.questions.standing(self.said).as_ref())
+    }
 }
 
 /// What somebody does about a question.
@@ -35,6 +65,10 @@ pub enum Reply {
     Later,
     /// Wants to be asked a question before it again: the one of this place in the log, counted from 0.
     Reopen(usize),
+    /// Wants to answer five more than are wanted now.
+    More,
+    /// Leaves it unanswered, and all that would come after it: the answers so far are the answers, if there are enough.
+    Enough,
     /// Stops for now.
     Stop,
 }
@@ -46,6 +80,8 @@ pub enum Verdict {
     Done,
     /// Wants to be asked a question again: the one of this place in the log, counted from 0.
     Reopen(usize),
+    /// Wants to answer five more.
+    More,
     /// Stops for now.
     Stop,
 }

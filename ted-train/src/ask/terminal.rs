@@ -9,8 +9,10 @@ use firmware_sim::interrupt;
 
 use super::clip::{ClipSource, Picture, Track};
 use super::person::{Person, Reply, Review, Turn, Verdict};
-use super::words::{filled, why, word};
+use super::words::{filled, said_line, why, word};
+use super::{Did, Odd};
 use crate::preferences::{Answer, LogEntry};
+use crate::reward::Ranked;
 
 /// Characters of a curve.
 const WIDTH: usize = 28;
@@ -74,8 +76,14 @@ impl<W: Write> Person for Terminal<'_, W> {
             .map(|it| self.clips.picture(it));
         text.push_str(&compared(&pictures));
         self.say(&text);
+        let enough = if turn.is_extra() {
+            word("text-enough")
+        } else {
+            ""
+        };
+        let prompt = filled("text-prompt", &[("enough", enough)]);
         loop {
-            let Some(line) = self.line(word("text-prompt")) else {
+            let Some(line) = self.line(&prompt) else {
                 return Reply::Stop;
             };
             match line.as_str() {
@@ -84,6 +92,9 @@ impl<W: Write> Person for Terminal<'_, W> {
                 "3" => return Reply::Answer(Answer::Equal),
                 "4" => return Reply::CannotTell,
                 "5" => return Reply::Later,
+                "w" => self.say(&told(&turn.did())),
+                "m" => return Reply::More,
+                "e" if turn.is_extra() => return Reply::Enough,
                 "q" => return Reply::Stop,
                 line => match reopened(line, turn.before) {
                     Some(place) => return Reply::Reopen(place),
@@ -105,6 +116,8 @@ impl<W: Write> Person for Terminal<'_, W> {
             };
             match line.as_str() {
                 "" if review.stuck.is_none() => return Verdict::Done,
+                "w" => self.say(&told(&review.did())),
+                "m" if review.stuck.is_none() => return Verdict::More,
                 "q" => return Verdict::Stop,
                 line => match reopened(line, review.said) {
                     Some(place) => return Verdict::Reopen(place),
@@ -127,28 +140,38 @@ fn reopened(line: &str, before: &[LogEntry]) -> Option<usize> {
 
 /// Everything that was said, one line each.
 fn listed(said: &[LogEntry]) -> String {
-    let lines = (1..).zip(said).map(|(number, entry)| {
-        let [left, right] = entry
-            .question
-            .query
-            .segments
-            .map(|it| it.episode().to_string());
-        let said = match entry.said.answer {
-            Some(Answer::First) => "said-left",
-            Some(Answer::Second) => "said-right",
-            Some(Answer::Equal) => "said-equal",
-            None if entry.said.later => "said-later",
-            None => "said-cannot-tell",
-        };
-        let line = [
-            ("left", left.as_str()),
-            ("right", &right),
-            ("said", word(said)),
-            ("by", &entry.said.by),
-        ];
-        format!("{number:>3}  {}\n", filled("said-line", &line))
-    });
+    let lines = (1..).zip(said);
+    let lines = lines.map(|(number, entry)| format!("{number:>3}  {}\n", said_line(entry)));
     lines.collect()
+}
+
+/// What the answers did.
+fn told(did: &Did) -> String {
+    let mut text = format!("\n{}\n", word("did-title"));
+    for sentence in &did.says {
+        text.push_str(&format!("{sentence}\n"));
+    }
+    for (side, heading) in ["text-best", "text-worst"].into_iter().enumerate() {
+        let episode = |pair: &[Ranked; 2]| {
+            let Ranked { segment, above } = pair[side];
+            format!("{} ({above:+.1})", segment.episode())
+        };
+        let episodes: Vec<String> = did.pairs.iter().map(episode).collect();
+        if !episodes.is_empty() {
+            let line = filled(heading, &[("episodes", &episodes.join(", "))]);
+            text.push_str(&format!("{line}\n"));
+        }
+    }
+    let heading = if did.odd.is_empty() {
+        "odd-none"
+    } else {
+        "odd-heading"
+    };
+    text.push_str(&format!("{}\n", word(heading)));
+    for Odd { place, says } in &did.odd {
+        text.push_str(&format!("{:>3}  {says}\n", place + 1));
+    }
+    text
 }
 
 /// Two clips side by side.

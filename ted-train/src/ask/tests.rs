@@ -1,19 +1,20 @@
 //! A session with somebody who does as a list says: kept, gone on with, taken back, put off.
 
+use std::cell::Cell;
 use std::collections::VecDeque;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use firmware_sim::progress::Audience;
 
 use super::person::{Person, Reply, Review, Turn, Verdict};
-use super::{AskError, Session};
+use super::{AskError, Did, Session, begin};
 use crate::config::{Config, Overrides};
 use crate::dataset::Dataset;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::preferences::{
     Answer, Interview, LogEntry, PreferenceLog, Query, ReplayTeacher, Teacher,
 };
-use crate::run::{DatasetReference, PREFERENCES, RunFolder};
+use crate::run::{DatasetReference, PREFERENCES, RunError, RunFolder};
 use crate::train::questions;
 
 /// Answers that are wanted.
@@ -24,6 +25,8 @@ struct Desk {
     folder: tempfile::TempDir,
     dataset: Dataset,
     config: Config,
+    /// How many answers the folder wants by now.
+    wanted: Cell<usize>,
 }
 
 impl Desk {
@@ -42,28 +45,37 @@ impl Desk {
             dataset: Dataset::from_records("ted/x-v0", SHAPE, &records(&vec![30; episodes]))
                 .unwrap(),
             config: overrides.unwrap().resolve(None, None).unwrap(),
+            wanted: Cell::new(WANTED),
         }
     }
 
-    fn run(&self) -> RunFolder {
+    fn begin(&self, config: &Config) -> Result<(RunFolder, Config), RunError> {
         let reference = DatasetReference {
             id: self.dataset.id().to_owned(),
             digest: self.dataset.digest().to_owned(),
             path: "x".into(),
         };
-        RunFolder::begin(self.folder.path(), &self.config, &reference).unwrap()
+        begin(self.folder.path(), config, &reference)
     }
 
+    /// Returns how many answers are wanted in the end.
     fn hold(&self, person: &mut Script, by: &str) -> Result<usize, AskError> {
+        let (folder, config) = self.begin(&self.config).unwrap();
         let session = Session {
             dataset: &self.dataset,
-            config: &self.config,
-            folder: &self.run(),
+            config: &config,
+            least: WANTED,
+            folder: &folder,
             by,
             audience: Audience::Nobody,
         };
         person.log = Some(self.log());
-        session.hold(person)
+        person.config = Some(folder.config_path());
+        let held = session.hold(person);
+        let config = Config::read(&folder.config_path()).unwrap();
+        assert!(held.as_ref().is_ok_and(|held| *held == config) || held.is_err());
+        self.wanted.set(config.answers());
+        held.map(|config| config.answers())
     }
 
     fn log(&self) -> std::path::PathBuf {
@@ -78,16 +90,16 @@ impl Desk {
         std::fs::read_to_string(self.log()).unwrap()
     }
 
-    /// What a run asks that answers from this log, to its end.
+    /// What a run asks that answers from this log, to its end, and wants as many answers as the folder.
     fn replayed(&self, log: &Path) -> Vec<LogEntry> {
-        let ask = questions(&self.dataset, &self.config, Audience::Nobody).unwrap();
+        let questions = questions(&self.dataset, &self.config, Audience::Nobody).unwrap();
         let own = tempfile::tempdir().unwrap();
         let path = own.path().join("log.jsonl");
         let mut teacher = ReplayTeacher::open(log, &self.dataset).unwrap();
         let teacher: &mut dyn Teacher = &mut teacher;
         let log = PreferenceLog::open(&path, &self.dataset).unwrap();
         let mut interview = Interview::new(&self.dataset, teacher, log);
-        ask(&mut interview).unwrap();
+        questions.ask(&mut interview, self.wanted.get()).unwrap();
         interview.entries().to_vec()
     }
 }
@@ -99,7 +111,10 @@ struct Script {
     verdicts: VecDeque<Verdict>,
     asked: Vec<(usize, Query)>,
     stuck: Vec<String>,
-    log: Option<std::path::PathBuf>,
+    /// What it was told that the answers did, before each question and at the end.
+    did: Vec<Did>,
+    log: Option<PathBuf>,
+    config: Option<PathBuf>,
 }
 
 impl Script {
@@ -125,19 +140,22 @@ impl Person for Script {
     fn answer(&mut self, turn: Turn<'_>) -> Reply {
         let query = turn.question.query;
         self.asked.push((turn.number, query));
-        assert_eq!(turn.of, WANTED);
+        let config = Config::read(self.config.as_ref().unwrap()).unwrap();
+        assert_eq!(turn.of, config.answers(), "that is on the disk, too");
         let lines = std::fs::read_to_string(self.log.as_ref().unwrap()).unwrap();
         assert_eq!(
             lines.lines().count(),
             turn.before.len(),
             "all of it is on the disk"
         );
+        self.did.push(turn.did());
         self.replies
             .pop_front()
             .unwrap_or(Reply::Answer(larger(&query)))
     }
 
     fn review(&mut self, review: Review<'_>) -> Verdict {
+        self.did.push(review.did());
         self.stuck.extend(review.stuck.map(str::to_owned));
         self.verdicts.pop_front().unwrap_or(Verdict::Done)
     }
@@ -315,4 +333,106 @@ fn answers_that_a_run_has_learned_from_are_left_alone() {
     std::fs::write(desk.folder.path().join("reward.state"), b"").unwrap();
     let refused = desk.hold(&mut Script::default(), "anna").unwrap_err();
     assert!(refused.to_string().contains("--out"), "{refused}");
+}
+
+#[test]
+fn more_answers_are_asked_for_after_the_last_and_leave_those_before_as_they_were() {
+    let desk = Desk::new(12);
+    desk.hold(&mut Script::default(), "anna").unwrap();
+    let before = desk.read();
+    let mut person = Script::of(&[], &[Verdict::More]);
+    assert_eq!(desk.hold(&mut person, "anna").unwrap(), WANTED + 5);
+    let numbers: Vec<usize> = person.asked.iter().map(|(number, _)| *number).collect();
+    assert_eq!(numbers, [7, 8, 9, 10, 11]);
+    assert!(desk.read().starts_with(&before));
+    assert_eq!(desk.replayed(&desk.log()), desk.entries());
+}
+
+#[test]
+fn who_wants_more_and_is_killed_in_the_middle_goes_on_there_with_the_same_command() {
+    let desk = Desk::new(12);
+    let mut person = Script::of(&[LEFT, Reply::More, LEFT, Reply::More], &[]);
+    assert_eq!(desk.hold(&mut person, "anna").unwrap(), WANTED + 10);
+    assert_eq!(
+        person.asked[1], person.asked[2],
+        "the open question is the same"
+    );
+    let more = desk.read();
+    let kept: String = more.split_inclusive('\n').take(9).collect();
+    std::fs::write(desk.log(), kept).unwrap();
+    let mut again = Script::default();
+    assert_eq!(desk.hold(&mut again, "anna").unwrap(), WANTED + 10);
+    assert_eq!(again.asked[0].0, 10);
+    assert_eq!(desk.read(), more);
+}
+
+#[test]
+fn who_wanted_more_may_have_enough_but_not_before_there_are_as_many_as_were_wanted() {
+    let desk = Desk::new(12);
+    let replies = [
+        vec![Reply::More, Reply::Enough],
+        vec![LEFT; WANTED + 2],
+        vec![Reply::CannotTell, Reply::Enough],
+    ];
+    let mut person = Script::of(&replies.concat(), &[]);
+    // With the first word there are no answers at all yet.
+    assert!(matches!(
+        desk.hold(&mut person, "anna"),
+        Ok(answers) if answers == WANTED
+    ));
+    assert_eq!(person.asked.len(), 2 + WANTED);
+    let mut person = Script::of(&[LEFT, Reply::CannotTell, Reply::Enough], &[Verdict::More]);
+    assert_eq!(desk.hold(&mut person, "anna").unwrap(), WANTED + 1);
+    let told = desk.entries();
+    assert_eq!(told.len(), WANTED + 2, "and one that nobody could tell");
+    let answered = |all: &[LogEntry]| -> Vec<LogEntry> {
+        let all = all.iter().filter(|it| it.said.answer.is_some());
+        all.cloned().collect()
+    };
+    assert_eq!(desk.replayed(&desk.log()), answered(&told));
+    // It is asked for more where it ended, and nobody is asked twice.
+    let mut person = Script::of(&[], &[Verdict::More]);
+    assert_eq!(desk.hold(&mut person, "anna").unwrap(), WANTED + 6);
+    assert_eq!(person.asked.len(), 5);
+    assert_eq!(desk.replayed(&desk.log()), desk.entries());
+}
+
+#[test]
+fn the_larger_number_of_answers_counts_until_something_is_learned_from_them() {
+    let desk = Desk::new(12);
+    let answers = |wanted: usize| {
+        let begun = desk.begin(&desk.config.asking(wanted));
+        begun.map(|(_, config)| config.answers())
+    };
+    assert_eq!(answers(7).unwrap(), 7);
+    assert_eq!(answers(6).unwrap(), 7);
+    assert_eq!(answers(12).unwrap(), 12);
+    let mut other = desk.config.clone();
+    other.seed += 1;
+    assert!(matches!(desk.begin(&other), Err(RunError::OtherRun { .. })));
+    std::fs::write(desk.folder.path().join("reward.state"), b"").unwrap();
+    assert_eq!(answers(12).unwrap(), 12);
+    assert_eq!(answers(3).unwrap(), 12);
+    let refused = answers(13).unwrap_err().to_string();
+    assert!(
+        refused.contains("learned from 12 answers, and 13 are wanted"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn whoever_looks_at_what_the_answers_did_is_told_of_all_before_and_changes_nothing() {
+    let desk = Desk::new(12);
+    let mut person = Script::of(&[LEFT, LEFT, Reply::Later], &[]);
+    desk.hold(&mut person, "anna").unwrap();
+    let told: Vec<&str> = person.did.iter().map(|did| did.says[0].as_str()).collect();
+    assert!(told[0].starts_with("Without an answer"), "{told:?}");
+    // The third question was put off, and another one asked in its place.
+    for (place, answers) in [(1, 1), (2, 2), (3, 2), (4, 3), (WANTED + 1, WANTED)] {
+        let by = format!("By {answers} answers");
+        assert!(told[place].starts_with(&by), "{place}: {told:?}");
+    }
+    assert_eq!(told.len(), WANTED + 2);
+    assert!(person.did.iter().all(|did| did.pairs.len() == 5));
+    assert_eq!(desk.replayed(&desk.log()), desk.entries());
 }

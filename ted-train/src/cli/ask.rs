@@ -36,7 +36,7 @@ pub(super) struct AskArgs {
     /// The run's folder; runs/<task>/steer/seed-<seed> if not given
     #[arg(long)]
     out: Option<PathBuf>,
-    /// How many answers; 10 if not given
+    /// How many answers; 10 if not given. A folder in which more were wished for keeps its number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     answers: Option<u32>,
     /// Root of all randomness; 0 if not given
@@ -62,9 +62,8 @@ struct AskReport<'a> {
 
 pub(super) fn run(args: &AskArgs) -> Result<(), Failure> {
     args.door.check(true)?;
-    let sets = args.sets();
     let mut overrides = Overrides::default();
-    for set in &sets {
+    for set in &args.sets(args.answers.map(|answers| answers as usize)) {
         overrides = overrides.set(set).map_err(end)?;
     }
     let config = overrides.resolve(None, args.seed).map_err(end)?;
@@ -83,16 +82,19 @@ pub(super) fn run(args: &AskArgs) -> Result<(), Failure> {
         let task = dataset.task().unwrap_or("unknown");
         run_folder(None, task, config.preset.name(), config.seed)
     });
-    let lane = Lane {
+    let mut lane = Lane {
         dataset: path,
         config,
         folder,
         answers: None,
         siblings: Vec::new(),
     };
-    let next = args.next(&lane.folder, &sets);
     let audience = args.output.audience();
-    let log = door(&lane, &datasets, &args.door, Errand::Ask(&next), audience)?;
+    let (wanted, out) = (lane.config.answers(), lane.folder.clone());
+    let next = |answers: usize| args.next(&out, (answers != wanted).then_some(answers));
+    let errand = Errand::Ask(&next);
+    let log = door(&mut lane, &datasets, &args.door, errand, audience)?;
+    let next = next(lane.config.answers());
     let said = PreferenceLog::read(&log, &dataset).map_err(end)?;
     let report = AskReport {
         run: &lane.folder,
@@ -107,21 +109,27 @@ pub(super) fn run(args: &AskArgs) -> Result<(), Failure> {
 }
 
 impl AskArgs {
-    /// Everything that was set, the number of answers last.
-    fn sets(&self) -> Vec<String> {
-        let answers = self
-            .answers
-            .map(|answers| format!("reward.queries={answers}"));
-        self.sets.iter().cloned().chain(answers).collect()
+    /// Everything that was set, with this number of answers, if there is one, in place of any other.
+    fn sets(&self, answers: Option<usize>) -> Vec<String> {
+        const ANSWERS: &str = "reward.queries";
+        let names = |set: &str| set.split('=').next().map(str::trim) == Some(ANSWERS);
+        let others = self
+            .sets
+            .iter()
+            .filter(|set| answers.is_none() || !names(set));
+        let answers = answers.map(|answers| format!("{ANSWERS}={answers}"));
+        others.cloned().chain(answers).collect()
     }
 
-    /// The command that learns from the answers.
-    fn next(&self, folder: &Path, sets: &[String]) -> String {
+    /// The command that learns from the answers, of which there are so many if it is not the number that was asked for.
+    fn next(&self, folder: &Path, answers: Option<usize>) -> String {
+        let asked_for = self.answers.map(|answers| answers as usize);
+        let sets = self.sets(answers.or(asked_for));
         let mut words = vec!["ted".to_owned(), "train".to_owned(), self.dataset.clone()];
         if let Some(seed) = self.seed {
             words.extend(["--seed".to_owned(), seed.to_string()]);
         }
-        for set in sets {
+        for set in &sets {
             words.extend(["--set".to_owned(), set.clone()]);
         }
         let log = folder.join(crate::run::PREFERENCES);
@@ -170,5 +178,27 @@ mod tests {
         );
         assert_eq!(quoted("it's"), r"'it'\''s'");
         assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn the_command_that_learns_from_the_answers_says_how_many_there_are_once() {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            args: AskArgs,
+        }
+        let next = |line: &str, answers: Option<usize>| {
+            let words = ["ask", "x"].into_iter().chain(line.split_whitespace());
+            let Line { args } = clap::Parser::parse_from(words);
+            args.next(Path::new("run"), answers)
+        };
+        let end = "--preferences run/preferences.jsonl --out run";
+        assert_eq!(next("", None), format!("ted train x {end}"));
+        let set = |answers| format!("ted train x --set reward.queries={answers} {end}");
+        assert_eq!(next("--answers 8", None), set(8));
+        assert_eq!(next("--set reward.queries=4", None), set(4));
+        for line in ["", "--answers 8", "--set reward.queries=4 --answers 8"] {
+            assert_eq!(next(line, Some(13)), set(13), "{line}");
+        }
     }
 }

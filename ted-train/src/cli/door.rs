@@ -11,9 +11,9 @@ use firmware_sim::progress::{Audience, tell};
 use super::failures::end;
 use crate::ask::film;
 use crate::ask::web::{End, Listen, Page};
-use crate::ask::{AskError, Numbers, Person, Session, Terminal};
+use crate::ask::{Numbers, Session, Terminal, begin};
 use crate::fleet::{Datasets, Lane};
-use crate::run::{DatasetReference, PREFERENCES, RunFolder};
+use crate::run::{DatasetReference, PREFERENCES};
 use crate::train::has_learned;
 
 /// Who answers, and where.
@@ -31,12 +31,12 @@ pub(super) struct DoorArgs {
 }
 
 /// What comes after the answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub(super) enum Errand<'a> {
     /// The run goes on by itself.
     Train,
-    /// Nothing: this is the command that goes on.
-    Ask(&'a str),
+    /// Nothing: this is the command that goes on with so many answers.
+    Ask(&'a dyn Fn(usize) -> String),
 }
 
 /// Characters of a name.
@@ -71,9 +71,10 @@ impl DoorArgs {
     }
 }
 
-/// Asks a person what a run asks. Returns the log with their answers. A run that learned from its log already asks no more.
+/// Asks a person what a run asks, and makes the run one that wants as many answers as they give. Returns the log with these. A run
+/// that learned from its log already asks no more.
 pub(super) fn door(
-    lane: &Lane,
+    lane: &mut Lane,
     datasets: &Datasets,
     args: &DoorArgs,
     errand: Errand<'_>,
@@ -85,9 +86,11 @@ pub(super) fn door(
         digest: dataset.digest().to_owned(),
         path: lane.dataset.clone(),
     };
-    let folder = RunFolder::begin(&lane.folder, &lane.config, &reference).map_err(end)?;
+    let least = lane.config.answers();
+    let folder;
+    (folder, lane.config) = begin(&lane.folder, &lane.config, &reference).map_err(end)?;
     let log = folder.file(PREFERENCES);
-    if errand == Errand::Train && has_learned(&folder) {
+    if matches!(errand, Errand::Train) && has_learned(&folder) {
         audience.note("the answers are in, and the run goes on");
         return Ok(log);
     }
@@ -95,6 +98,7 @@ pub(super) fn door(
     let session = Session {
         dataset: &dataset,
         config: &lane.config,
+        least,
         folder: &folder,
         by: &by,
         audience,
@@ -102,27 +106,23 @@ pub(super) fn door(
     let clips = Numbers::of(&dataset);
     if args.text {
         let mut person = Terminal::new(BufReader::new(stdin()), stderr(), &clips);
-        session.hold(&mut person).map_err(end)?;
+        lane.config = session.hold(&mut person).map_err(end)?;
         return Ok(log);
     }
     let listen = args.listen.unwrap_or_default();
     let studio = film::studio(&dataset, &lane.dataset);
     let mut page = Page::open(listen, dataset.id(), &by, &clips, studio).map_err(end)?;
     welcome(&page, listen);
-    let held = hold(&session, &mut page);
+    let held = session.hold(&mut page);
     page.close(match &held {
-        Ok(_) => match errand {
+        Ok(config) => match errand {
             Errand::Train => End::GoesOn,
-            Errand::Ask(command) => End::Next(command.to_owned()),
+            Errand::Ask(command) => End::Next(command(config.answers())),
         },
         Err(error) => End::Stopped(error.to_string()),
     });
-    held.map_err(end)?;
+    lane.config = held.map_err(end)?;
     Ok(log)
-}
-
-fn hold(session: &Session<'_>, person: &mut dyn Person) -> Result<usize, AskError> {
-    session.hold(person)
 }
 
 /// Says where the page is, also to those who asked for silence: nobody else can tell them.

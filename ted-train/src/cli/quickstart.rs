@@ -10,6 +10,7 @@ use firmware_sim::output::OutputArgs;
 use firmware_sim::rollout::normalised_score;
 use firmware_sim::tasks;
 
+use crate::config::Preset;
 use crate::fleet::Datasets;
 use crate::quickstart::{Quickstart, QuickstartConfig, quickstart, record};
 use crate::reward::episodes::Confidence;
@@ -66,27 +67,28 @@ pub(super) struct QuickstartArgs {
 
 pub(super) fn run(args: &QuickstartArgs) -> Result<(), Failure> {
     let task = tasks::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
-    let config = QuickstartConfig {
+    let mut config = QuickstartConfig {
         task: task.to_owned(),
         out: args.out.clone(),
         episodes: args.episodes,
         steps: args.steps,
         seed: args.seed,
         workers: workers(args.workers),
-        asked: args.ask,
+        asked: args.ask.then(|| Preset::default().config().answers()),
     };
     args.door.check(args.ask)?;
     let audience = args.output.audience();
     let logs = record(&config, audience).map_err(end)?;
     if args.ask {
-        let lane = config.lane(&logs).map_err(end)?;
+        let mut lane = config.lane(&logs).map_err(end)?;
         door(
-            &lane,
+            &mut lane,
             &Datasets::default(),
             &args.door,
             Errand::Train,
             audience,
         )?;
+        config.asked = Some(lane.config.answers());
     }
     let report = quickstart(&config, &logs, audience).map_err(end)?;
     args.output.print(&report, || text(&report))?;

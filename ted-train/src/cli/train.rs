@@ -108,7 +108,8 @@ pub(super) fn run(args: &TrainArgs) -> Result<(), Failure> {
     let mut lanes = plan(args, &datasets)?;
     let audience = args.output.audience();
     if let ([lane], true) = (lanes.as_mut_slice(), args.ask) {
-        lane.answers = Some(door(lane, &datasets, &args.door, Errand::Train, audience)?);
+        let log = door(lane, &datasets, &args.door, Errand::Train, audience)?;
+        lane.answers = Some(log);
     }
     if let [lane] = lanes.as_slice() {
         let simulators = args.workers.unwrap_or(Crew::of(1, None).threads);

@@ -103,6 +103,21 @@ impl Config {
         of_rewards + of_policy
     }
 
+    /// The same with so many answers. The questions before a number are the same, whichever number it is.
+    #[must_use]
+    pub fn asking(&self, answers: usize) -> Self {
+        let learns = self.reward.learner().is_some();
+        let (reward, algorithm) = match learns {
+            true => (self.reward.asking(answers), self.algorithm.clone()),
+            false => (self.reward.clone(), self.algorithm.asking(answers)),
+        };
+        Self {
+            reward,
+            algorithm,
+            ..self.clone()
+        }
+    }
+
     /// Digest of the canonical form, which travels in the artefact.
     #[must_use]
     pub fn digest(&self) -> [u8; 32] {

@@ -51,8 +51,8 @@ pub struct QuickstartConfig {
     pub seed: u64,
     /// Simulator processes.
     pub workers: usize,
-    /// Whether a person answers, and not the simulated teacher.
-    pub asked: bool,
+    /// How many answers a person gives; none where the simulated teacher answers.
+    pub asked: Option<usize>,
 }
 
 /// What a quickstart learns from.
@@ -127,7 +127,11 @@ impl QuickstartConfig {
     /// # Errors
     /// When the number of updates is zero.
     pub fn training(&self) -> Result<Config, ConfigError> {
-        self.reduced(Preset::default())
+        let config = self.reduced(Preset::default())?;
+        Ok(match self.asked {
+            Some(answers) => config.asking(answers),
+            None => config,
+        })
     }
 
     /// The run, for who asks its questions.
@@ -171,7 +175,7 @@ impl QuickstartConfig {
     /// One folder for each choice, so that another size is another run.
     fn run_folder(&self, preset: Preset) -> PathBuf {
         let (episodes, steps, seed) = (self.episodes, self.steps, self.seed);
-        let asked = if self.asked && preset != Preset::Bc {
+        let asked = if self.asked.is_some() && preset != Preset::Bc {
             "-asked"
         } else {
             ""
@@ -338,7 +342,7 @@ mod tests {
             steps: 7,
             seed: 5,
             workers: 1,
-            asked: false,
+            asked: None,
         }
     }
 
@@ -351,6 +355,17 @@ mod tests {
         training.algorithm.set_steps(method.algorithm.steps());
         training.schedule = method.schedule.clone();
         assert_eq!(training, method);
+    }
+
+    #[test]
+    fn who_answers_more_questions_gets_a_run_that_wants_as_many() {
+        let asked = QuickstartConfig {
+            asked: Some(15),
+            ..config()
+        };
+        let training = asked.training().unwrap();
+        assert_eq!(training.answers(), 15);
+        assert_eq!(training.asking(10), config().training().unwrap());
     }
 
     #[test]

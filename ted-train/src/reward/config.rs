@@ -56,6 +56,28 @@ impl RewardConfig {
         }
     }
 
+    /// The same with so many answers, where they are learned from answers.
+    #[must_use]
+    pub fn asking(&self, answers: usize) -> Self {
+        match self {
+            Self::Oprl(config) => Self::Oprl(config.asking(answers)),
+            Self::Transformer(config) => Self::Transformer(PtConfig {
+                queries: answers,
+                ..config.clone()
+            }),
+            Self::Episodes(config) => Self::Episodes(EpisodesConfig {
+                queries: answers,
+                ..config.clone()
+            }),
+            Self::None {}
+            | Self::True {}
+            | Self::Zero {}
+            | Self::Random {}
+            | Self::Negative {}
+            | Self::Transport(_) => self.clone(),
+        }
+    }
+
     /// Whether there are none.
     #[must_use]
     pub fn is_none(&self) -> bool {

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::checkpoint::Checkpoint;
 use crate::dataset::Dataset;
 use crate::nn::Backend;
-use crate::preferences::{Interview, LabelledPair};
+use crate::preferences::{Interview, LabelledPair, LogEntry};
 use crate::rng::Seed;
 
-use super::{Fit, HeldOut, LearnError, RewardModel};
+use super::{Fit, HeldOut, LearnError, RewardModel, Standing};
 
 /// A way to learn a reward from answers: the configuration of one, which knows what to do with it.
 pub trait RewardLearner {
@@ -46,18 +46,11 @@ pub trait RewardLearner {
         save: Save<'_>,
     ) -> Result<Learned, LearnError>;
 
-    /// What it asks, as something that can be done again and again with another log: a person may take answers back. What does
-    /// not depend on answers is computed here, once.
+    /// What it asks, by itself. What does not depend on answers is computed here, once.
     ///
     /// # Errors
     /// When [`Self::check`] does, or what is computed beforehand cannot be.
-    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Questions<'a>, LearnError> {
-        Ok(Box::new(move |interview| {
-            let answers = self.ask(on, interview)?;
-            self.learn(&answers, on, interview, &mut |_| Ok(()))?;
-            Ok(())
-        }))
-    }
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Box<dyn Questions + 'a>, LearnError>;
 
     /// Goes on from what was last saved while it learned from the same answers, to the bits of a training that was never
     /// stopped. Who saves nothing begins again.
@@ -100,8 +93,29 @@ pub struct Material<'a> {
     pub audience: Audience,
 }
 
-/// Asks everything that a learner asks.
-pub type Questions<'a> = Box<dyn Fn(&mut Interview<'_>) -> Result<(), LearnError> + 'a>;
+/// What a learner asks, as something that can be done again and again with another log: a person may take answers back, and give
+/// more of them than the configuration wants.
+pub trait Questions {
+    /// Asks until there are so many answers. The first of them are those to the same questions, however many there are to be.
+    ///
+    /// # Errors
+    /// When an answer cannot be had or kept, what is learned on the way diverges, or somebody asks to stop.
+    fn ask(&self, interview: &mut Interview<'_>, answers: usize) -> Result<(), LearnError>;
+
+    /// What the answers in this log did; none where that is known only once a reward is learned from all of them.
+    fn standing(&self, _said: &[LogEntry]) -> Option<Standing> {
+        None
+    }
+}
+
+impl<F> Questions for F
+where
+    F: Fn(&mut Interview<'_>, usize) -> Result<(), LearnError>,
+{
+    fn ask(&self, interview: &mut Interview<'_>, answers: usize) -> Result<(), LearnError> {
+        self(interview, answers)
+    }
+}
 
 /// Keeps what a learner has come to.
 pub type Save<'a> = &'a mut dyn FnMut(&Saved) -> Result<(), WriteError>;

@@ -22,6 +22,7 @@ pub mod oprl;
 pub mod quality;
 mod random_queries;
 mod scaling;
+mod standing;
 #[cfg(test)]
 mod tests;
 pub mod transformer;
@@ -38,3 +39,4 @@ pub use learner::{Learned, Material, Questions, RewardLearner, Save, Saved};
 pub use model::RewardModel;
 pub use random_queries::RandomQueries;
 pub use scaling::InputScaling;
+pub use standing::{Ranked, Standing};

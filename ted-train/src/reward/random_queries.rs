@@ -4,7 +4,7 @@ use crate::dataset::{Clip, Dataset, SegmentSampler};
 use crate::preferences::{Context, Interview, LabelledPair, RandomPair};
 use crate::rng::Seed;
 
-use super::LearnError;
+use super::{LearnError, Questions};
 
 /// How many random pairs somebody is asked about, and what they see of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +46,14 @@ impl RandomQueries {
             Ok(interview.ask(context, &RandomPair, &sampler, &mut rng)?)
         };
         (0..self.queries).map(ask).collect()
+    }
+
+    /// The same as something that can be asked again and again, with as many questions as are wanted then.
+    pub fn asked_of(self, dataset: &Dataset, seed: Seed) -> impl Questions {
+        move |interview: &mut Interview<'_>, queries: usize| {
+            let all = Self { queries, ..self };
+            all.ask(dataset, interview, seed).map(drop)
+        }
     }
 }
 

@@ -115,7 +115,7 @@ impl RunFolder {
             _lock: Some(disk::lock(path)?),
         };
         if !Self::holds(path, config)? {
-            disk::replace(&folder.config_path(), config.to_toml().as_bytes())?;
+            folder.reconfigure(config)?;
         }
         if folder.file(DATASET).exists() {
             let held: DatasetReference = folder.read_json(DATASET)?;
@@ -128,6 +128,14 @@ impl RunFolder {
         }
         folder.write_json(DATASET, dataset)?;
         Ok(folder)
+    }
+
+    /// Takes this configuration in place of the one that the folder holds, as long as nothing was learned by that.
+    ///
+    /// # Errors
+    /// When the disk is full or fails; the folder then holds the one that it held.
+    pub fn reconfigure(&self, config: &Config) -> Result<(), WriteError> {
+        disk::replace(&self.config_path(), config.to_toml().as_bytes())
     }
 
     /// Whether the run of this configuration was begun in the folder; false when no run was.
@@ -144,7 +152,11 @@ impl RunFolder {
         if held == *config {
             Ok(true)
         } else {
-            let difference = first_difference(&held, config);
+            let mut difference = first_difference(&held, config);
+            let more = held.answers() > config.answers();
+            if more && config.asking(held.answers()) == held {
+                difference.push_str(", and --ask goes on with the answers that are there");
+            }
             Err(folder.other(format!("its config.toml differs: {difference}")))
         }
     }
@@ -401,6 +413,23 @@ mod tests {
         folder.save(&at(&other, 20)).unwrap();
         let newest = folder.newest_checkpoint(&config, Audience::Nobody);
         assert_eq!(newest, Some(at(&config, 10)));
+    }
+
+    #[test]
+    fn who_asks_for_fewer_answers_than_a_folder_has_is_told_how_to_keep_them() {
+        let temporary = tempfile::tempdir().unwrap();
+        let config = Preset::Steer.config();
+        let folder = begin(temporary.path(), &config);
+        let way_out = |config: &Config| {
+            let refused = RunFolder::holds(temporary.path(), config).unwrap_err();
+            refused.to_string().contains("--ask goes on")
+        };
+        assert!(!way_out(&config.asking(15)));
+        folder.reconfigure(&config.asking(15)).unwrap();
+        assert!(RunFolder::holds(temporary.path(), &config.asking(15)).unwrap());
+        assert!(way_out(&config));
+        let other = Config { seed: 1, ..config };
+        assert!(!way_out(&other));
     }
 
     #[test]

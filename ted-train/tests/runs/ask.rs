@@ -4,6 +4,7 @@
 mod axe;
 mod browser;
 pub mod chromium;
+mod did;
 mod film;
 mod page;
 

@@ -14,7 +14,7 @@ use super::scene::{Before, Phase, Scene, Word};
 pub(super) struct Shown {
     pub at: u64,
     pub scene: Bytes,
-    /// Left and right; none where nothing is asked.
+    /// Left and right; none where nothing is to be watched.
     pub clips: Option<[Bytes; 2]>,
     ended: bool,
 }
@@ -89,7 +89,7 @@ impl Desk {
         let waits = now.waits.take().ok_or(TooLate)?;
         waits.try_send(word).map_err(|_| TooLate)?;
         now.scene.at += 1;
-        now.scene.phase = Phase::Thinking;
+        now.scene.phase = word.meanwhile();
         self.shown.send_replace(shown(&now.scene, None));
         Ok(())
     }

@@ -9,12 +9,13 @@ use firmware_sim::interrupt;
 
 use super::Listen;
 use super::desk::Desk;
-use super::scene::{Before, End, Phase, Word};
+use super::scene::{Before, End, Open, Phase, Word};
 use super::server::Server;
-use crate::ask::AskError;
 use crate::ask::clip::ClipSource;
 use crate::ask::film::Studio;
 use crate::ask::person::{Person, Reply, Review, Turn, Verdict};
+use crate::ask::{AskError, Did};
+use crate::dataset::Segment;
 use crate::preferences::{Answer, LogEntry};
 
 /// A page that is served as long as this is there.
@@ -61,41 +62,85 @@ impl<'a> Page<'a> {
     }
 }
 
-impl Person for Page<'_> {
-    fn answer(&mut self, turn: Turn<'_>) -> Reply {
-        // Before the scene that asks for them; until then there is none.
-        self.studio.show(turn.question.query.segments);
-        let clips = turn.question.query.segments.map(|segment| {
+impl Page<'_> {
+    /// Two clips as they are sent, whose films are made from now on. They come before the scene that shows them; until then there
+    /// is none.
+    fn clips(&self, segments: [Segment; 2]) -> [Bytes; 2] {
+        self.studio.show(segments);
+        segments.map(|segment| {
             let picture = self.clips.picture(segment);
             Bytes::from(serde_json::to_vec(&picture).unwrap_or_default())
-        });
-        let said = said(turn.before);
-        let word = self.desk.ask(Phase::asking(&turn), said, Some(clips));
-        match heard(&word) {
-            Some(Word::Left) => Reply::Answer(Answer::First),
-            Some(Word::Right) => Reply::Answer(Answer::Second),
-            Some(Word::Equal) => Reply::Answer(Answer::Equal),
-            Some(Word::CannotTell) => Reply::CannotTell,
-            Some(Word::Later) => Reply::Later,
-            Some(Word::Reopen { place }) => Reply::Reopen(place),
-            Some(Word::Done) | None => Reply::Stop,
-        }
+        })
     }
 
-    fn review(&mut self, review: Review<'_>) -> Verdict {
-        let word = self
-            .desk
-            .ask(Phase::review(&review), said(review.said), None);
-        match heard(&word) {
-            Some(Word::Done) => Verdict::Done,
-            Some(Word::Reopen { place }) => Verdict::Reopen(place),
-            _ => Verdict::Stop,
+    /// Shows a scene and waits for what is said about it; none when somebody stops the command.
+    fn said(&self, phase: Phase, before: &[LogEntry], clips: Option<[Bytes; 2]>) -> Option<Word> {
+        let before = before.iter().map(Before::of).collect();
+        heard(&self.desk.ask(phase, before, clips))
+    }
+
+    /// Shows what the answers did, one pair of episodes after the other, until somebody says something else.
+    fn looked(&self, did: &Did, before: &[LogEntry], open: Open) -> Option<Word> {
+        let mut shown = 0;
+        loop {
+            let pair = did.pairs.get(shown);
+            let clips = pair.map(|both| self.clips(both.map(|it| it.segment)));
+            match self.said(Phase::did(did, shown, open), before, clips) {
+                Some(Word::Turn { pair }) => shown = pair,
+                word => return word,
+            }
         }
     }
 }
 
-fn said(entries: &[LogEntry]) -> Vec<Before> {
-    entries.iter().map(Before::of).collect()
+impl Person for Page<'_> {
+    fn answer(&mut self, turn: Turn<'_>) -> Reply {
+        let open = if turn.is_extra() {
+            Open::Extra
+        } else {
+            Open::Question
+        };
+        loop {
+            let clips = self.clips(turn.question.query.segments);
+            let phase = Phase::asking(&turn);
+            let word = match self.said(phase, turn.before, Some(clips)) {
+                Some(Word::Look) => self.looked(&turn.did(), turn.before, open),
+                word => word,
+            };
+            return match word {
+                Some(Word::Back) => continue,
+                Some(Word::Left) => Reply::Answer(Answer::First),
+                Some(Word::Right) => Reply::Answer(Answer::Second),
+                Some(Word::Equal) => Reply::Answer(Answer::Equal),
+                Some(Word::CannotTell) => Reply::CannotTell,
+                Some(Word::Later) => Reply::Later,
+                Some(Word::Reopen { place }) => Reply::Reopen(place),
+                Some(Word::More) => Reply::More,
+                Some(Word::Done) => Reply::Enough,
+                Some(Word::Look | Word::Turn { .. }) | None => Reply::Stop,
+            };
+        }
+    }
+
+    fn review(&mut self, review: Review<'_>) -> Verdict {
+        let open = match review.stuck {
+            Some(_) => Open::Stuck,
+            None => Open::Review,
+        };
+        loop {
+            let word = match self.said(Phase::review(&review), review.said, None) {
+                Some(Word::Look) => self.looked(&review.did(), review.said, open),
+                word => word,
+            };
+            return match word {
+                Some(Word::Back) => continue,
+                Some(Word::Done) => Verdict::Done,
+                Some(Word::More) => Verdict::More,
+                Some(Word::Reopen { place }) => Verdict::Reopen(place),
+                _ => Verdict::Stop,
+            };
+        }
+    }
 }
 
 /// Waits for a word; none when somebody stops the command.

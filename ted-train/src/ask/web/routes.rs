@@ -54,8 +54,8 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// Whether this is the scene that is shown, and it asks something.
-    fn is_asked(&self, at: u64) -> bool {
+    /// Whether this is the scene that is shown, and there is something to watch.
+    fn is_watched(&self, at: u64) -> bool {
         let shown = self.desk.shown();
         shown.at == at && shown.clips.is_some()
     }
@@ -148,7 +148,7 @@ async fn clip(State(shared): State<Shared>, Path((at, side)): Path<(u64, String)
 
 /// How far the films of this scene are.
 async fn film(State(shared): State<Shared>, Path(at): Path<u64>) -> Response {
-    match shared.is_asked(at) {
+    match shared.is_watched(at) {
         true => Json(shared.studio.progress()).into_response(),
         // It was answered a moment ago, which is no error.
         false => StatusCode::NO_CONTENT.into_response(),
@@ -160,7 +160,7 @@ async fn still(
     State(shared): State<Shared>,
     Path((at, side, still)): Path<(u64, String, u32)>,
 ) -> Response {
-    if !shared.is_asked(at) {
+    if !shared.is_watched(at) {
         return StatusCode::NO_CONTENT.into_response();
     }
     let side = SIDES.iter().position(|name| *name == side);

@@ -1,23 +1,21 @@
-//! The procedure: clone the logs, describe the episodes, ask and update what is believed, and give every transition its share.
+//! The procedure: look at the logs, ask and update what is believed, and give every transition its share.
 
-use firmware_sim::interrupt;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use crate::dataset::{Clip, Dataset, Segment, SegmentError, SegmentSampler};
+use crate::dataset::{Clip, Dataset, Segment, SegmentSampler};
 use crate::nn::ExportedMlp;
-use crate::preferences::{Context, Interview, LabelledPair};
-use crate::ranking::ranking;
+use crate::preferences::Interview;
 use crate::reward::{
-    ExportedEnsemble, Fit, HeldOut, InputMap, LearnError, Learned, Material, Questions,
-    RewardInputs, RewardModel,
+    ExportedEnsemble, Fit, HeldOut, InputMap, LearnError, Learned, Material, RewardInputs,
+    RewardModel,
 };
 use crate::rng::Seed;
 
-use super::confidence::Confidence;
+use super::belief::Belief;
 use super::descriptors::{Descriptors, Steps, scaling};
 use super::fitting::{Rows, answers, fit};
-use super::posterior::{Evidence, Prior, posterior, second_better};
-use super::questions::MostInformative;
+use super::interrogation::Interrogation;
+use super::posterior::{Evidence, second_better};
 use super::{EpisodeModel, EpisodesConfig, words};
 
 /// What can be said of a dataset before anybody is asked.
@@ -75,23 +73,20 @@ pub(super) fn learn(
     on: Material<'_>,
     interview: &mut Interview<'_>,
 ) -> Result<Learned, LearnError> {
-    let dataset = on.dataset;
-    let (look, prior) = look(config, on)?;
-    let (evidence, samples) = interrogate(config, &look, &prior, on, interview)?;
-
-    let weights: DVector<f64> = samples.row_mean().transpose();
-    let quality = &look.descriptors.values * &weights;
-    let mut best = ranking(quality.as_slice());
-    best.truncate(config.candidates);
-    let answers = [evidence.labels.len(), agreeing(&evidence, &weights)];
-    let (values, sure) = (&look.descriptors.values, config.sure);
-    let confidence = Confidence::new(answers, &samples, values, &best, sure);
-    if let Some(moved) = words::moved(&prior, &weights).filter(|_| confidence.answers > 0) {
+    let asking = Interrogation::begin(config, on)?;
+    let (evidence, samples) = asking.hold(interview, config.queries)?;
+    let Interrogation { look, prior, .. } = &asking;
+    let Belief {
+        weights,
+        quality,
+        confidence,
+    } = Belief::new(config, look, &evidence, &samples);
+    if let Some(moved) = words::moved(prior, &weights).filter(|_| confidence.answers > 0) {
         on.audience.note(&moved);
     }
     on.audience.note(&confidence.in_words());
-    let network = network(config, &look, &weights, on)?;
-    let held_out = held_out(config, &quality, dataset, on.seed)?;
+    let network = network(config, look, &weights, on)?;
+    let held_out = held_out(config, &quality, on.dataset, on.seed)?;
     Ok(Learned {
         model: RewardModel::Episodes(EpisodeModel {
             network,
@@ -101,82 +96,6 @@ pub(super) fn learn(
         fits: vec![fit_of(config, &evidence, &weights)],
         held_out,
     })
-}
-
-/// Asks what [`learn`] asks, from one look at the logs.
-///
-/// # Errors
-/// When the look cannot be taken.
-pub(super) fn questions<'a>(
-    config: &'a EpisodesConfig,
-    on: Material<'a>,
-) -> Result<Questions<'a>, LearnError> {
-    let (look, prior) = look(config, on)?;
-    Ok(Box::new(move |interview| {
-        interrogate(config, &look, &prior, on, interview).map(drop)
-    }))
-}
-
-/// Looks at the logs, says what they say, and what is believed because of it.
-fn look<'a>(config: &EpisodesConfig, on: Material<'a>) -> Result<(Look<'a>, Prior), LearnError> {
-    let look = Look::at(config, on)?;
-    let reliability = &look.descriptors.reliability;
-    on.audience.note(&words::look(reliability));
-    let prior = Prior::new(config, reliability);
-    Ok((look, prior))
-}
-
-/// Asks one question after the other, each chosen by what is believed after the answers before it.
-fn interrogate(
-    config: &EpisodesConfig,
-    look: &Look<'_>,
-    prior: &Prior,
-    on: Material<'_>,
-    interview: &mut Interview<'_>,
-) -> Result<(Evidence, DMatrix<f64>), LearnError> {
-    let (dataset, seed) = (on.dataset, on.seed);
-    let sampler = SegmentSampler::new(dataset, Clip::Episode)?;
-    let whole = whole_episodes(dataset)?;
-    let mut evidence = Evidence::default();
-    let mut samples = posterior(config, prior, &evidence, seed.child("posterior/0"));
-    for query in 0..config.queries {
-        let mut rng = seed.child(&format!("query/{query}")).rng();
-        let strategy = MostInformative::new(config, &look.descriptors.values, &samples, &whole);
-        let context = Context {
-            round: u32::try_from(query).unwrap_or(u32::MAX),
-            member: None,
-        };
-        let LabelledPair { segments, label } =
-            interview.ask(context, &strategy, &sampler, &mut rng)?;
-        let [first, second] =
-            segments.map(|segment| look.descriptors.values.row(segment.episode() as usize));
-        evidence.push((second - first).transpose(), label);
-        let seed = seed.child(&format!("posterior/{}", query + 1));
-        samples = posterior(config, prior, &evidence, seed);
-        if interrupt::requested() {
-            return Err(LearnError::Interrupted);
-        }
-    }
-    Ok((evidence, samples))
-}
-
-/// Every episode as a segment.
-pub(super) fn whole_episodes(dataset: &Dataset) -> Result<Vec<Segment>, SegmentError> {
-    let episodes = (0..).zip(dataset.episodes());
-    let whole = episodes.map(|(index, episode)| {
-        let steps = u32::try_from(episode.len).unwrap_or(u32::MAX);
-        Segment::new(dataset, index, 0, steps)
-    });
-    whole.collect()
-}
-
-/// Answers, ties left out, that the weights would give too.
-fn agreeing(evidence: &Evidence, weights: &DVector<f64>) -> usize {
-    let said = evidence.differences.iter().zip(&evidence.labels);
-    said.filter(|&(difference, &label)| {
-        label != 0.5 && (weights.dot(difference) > 0.0) == (label > 0.5)
-    })
-    .count()
 }
 
 /// How the mean weights fit the answers.

@@ -5,7 +5,8 @@ use crate::preferences::{Interview, LabelledPair};
 use crate::reward::{LearnError, Learned, Material, Questions, RewardLearner, Save};
 
 use super::EpisodesConfig;
-use super::learn::{learn, questions};
+use super::interrogation::Interrogation;
+use super::learn::learn;
 
 impl RewardLearner for EpisodesConfig {
     fn check(&self, dataset: &Dataset) -> Result<(), LearnError> {
@@ -31,9 +32,9 @@ impl RewardLearner for EpisodesConfig {
     }
 
     /// The look at the logs is taken once.
-    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Questions<'a>, LearnError> {
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Box<dyn Questions + 'a>, LearnError> {
         self.check(on.dataset)?;
-        questions(self, on)
+        Ok(Box::new(Interrogation::begin(self, on)?))
     }
 
     /// It takes a minute: nothing but the answers is saved.

@@ -21,10 +21,12 @@
 //! | equal answers | y = 0.5 | as everywhere in this project |
 //! | reward | one small network, fitted to shares | ours: a controller computes it |
 
+mod belief;
 mod confidence;
 mod config;
 mod descriptors;
 mod fitting;
+mod interrogation;
 mod learn;
 mod learner;
 mod posterior;

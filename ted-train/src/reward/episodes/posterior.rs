@@ -65,6 +65,23 @@ impl Evidence {
         self.labels.push(f64::from(label));
     }
 
+    /// Answers, ties left out, that the weights would give too.
+    pub fn agreeing(&self, weights: &DVector<f64>) -> usize {
+        let said = self.differences.iter().zip(&self.labels);
+        said.filter(|&(difference, &label)| {
+            label != 0.5 && (weights.dot(difference) > 0.0) == (label > 0.5)
+        })
+        .count()
+    }
+
+    /// The places of the answers to which the weights give less than an even chance.
+    pub fn slips(&self, weights: &DVector<f64>) -> Vec<usize> {
+        let said = self.differences.iter().zip(&self.labels).enumerate();
+        let slips =
+            said.filter(|(_, (difference, label))| (*label - 0.5) * weights.dot(difference) < 0.0);
+        slips.map(|(place, _)| place).collect()
+    }
+
     /// Log-likelihood of weights.
     fn log_likelihood(&self, config: &EpisodesConfig, weights: &DVector<f64>) -> f64 {
         let said = self.differences.iter().zip(&self.labels);

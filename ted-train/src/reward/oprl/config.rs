@@ -64,4 +64,14 @@ impl OprlConfig {
     pub fn queries(&self) -> usize {
         self.members + self.rounds as usize
     }
+
+    /// The same with so many answers, by more or fewer rounds; each member has its own question in any case.
+    #[must_use]
+    pub fn asking(&self, answers: usize) -> Self {
+        let rounds = answers.saturating_sub(self.members);
+        Self {
+            rounds: u32::try_from(rounds).unwrap_or(u32::MAX),
+            ..self.clone()
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::dataset::{Dataset, SegmentSampler};
 use crate::preferences::{Interview, LabelledPair};
-use crate::reward::{LearnError, Learned, Material, RewardLearner, RewardModel, Save};
+use crate::reward::{LearnError, Learned, Material, Questions, RewardLearner, RewardModel, Save};
 
 use super::config::OprlConfig;
 use super::learn::{ask, held_out_agreement, train};
@@ -23,6 +23,17 @@ impl RewardLearner for OprlConfig {
         interview: &mut Interview<'_>,
     ) -> Result<Vec<LabelledPair>, LearnError> {
         ask(self, on, interview)
+    }
+
+    /// What a round asks depends on what was learned before it.
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Box<dyn Questions + 'a>, LearnError> {
+        Ok(Box::new(
+            move |interview: &mut Interview<'_>, answers: usize| {
+                let config = self.asking(answers);
+                let own = ask(&config, on, interview)?;
+                train(&config, &own, on, interview).map(drop)
+            },
+        ))
     }
 
     /// It takes seconds: nothing is saved.

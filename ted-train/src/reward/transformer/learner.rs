@@ -13,7 +13,7 @@ use super::learn::{LOOK_EVERY, held_out_agreement, train};
 
 impl RewardLearner for PtConfig {
     fn check(&self, dataset: &Dataset) -> Result<(), LearnError> {
-        self.questions().check(dataset)
+        self.random().check(dataset)
     }
 
     fn queries(&self) -> usize {
@@ -25,7 +25,7 @@ impl RewardLearner for PtConfig {
         on: Material<'_>,
         interview: &mut Interview<'_>,
     ) -> Result<Vec<LabelledPair>, LearnError> {
-        self.questions().ask(on.dataset, interview, on.seed)
+        self.random().ask(on.dataset, interview, on.seed)
     }
 
     fn learn(
@@ -39,8 +39,8 @@ impl RewardLearner for PtConfig {
     }
 
     /// All of it is asked before anything is learned.
-    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Questions<'a>, LearnError> {
-        Ok(Box::new(move |interview| self.ask(on, interview).map(drop)))
+    fn questions<'a>(&'a self, on: Material<'a>) -> Result<Box<dyn Questions + 'a>, LearnError> {
+        Ok(Box::new(self.random().asked_of(on.dataset, on.seed)))
     }
 
     fn resume(
@@ -64,7 +64,7 @@ impl RewardLearner for PtConfig {
 }
 
 impl PtConfig {
-    fn questions(&self) -> RandomQueries {
+    fn random(&self) -> RandomQueries {
         RandomQueries {
             queries: self.queries,
             clip: Clip::Steps(self.segment),

@@ -22,6 +22,11 @@ pub(super) fn asked(number: usize) -> String {
 pub(super) const REVIEW: &str =
     "document.title.startsWith('Every question') && !document.getElementById('done').hidden";
 
+/// How many of the things that can be used or looked at have no name.
+pub(super) const NAMELESS: &str = "return [...document.querySelectorAll('button, input, select, canvas')] \
+    .filter(it => !it.closest('[hidden]') && it.getAttribute('aria-hidden') !== 'true') \
+    .filter(it => !(it.getAttribute('aria-label') || it.textContent.trim() || it.closest('label'))).length";
+
 #[test]
 fn ten_answers_by_mouse_and_ten_by_keyboard_and_the_page_is_quick_and_without_complaint() {
     let desk = toy();
@@ -142,10 +147,7 @@ fn on_a_phone_and_for_who_wants_no_motion_everything_is_in_reach_and_a_lost_serv
         page.run("return document.getElementById('play').textContent.startsWith('Play')"),
         true
     );
-    let names = "return [...document.querySelectorAll('button, input, select, canvas')] \
-        .filter(it => !it.closest('[hidden]') && it.getAttribute('aria-hidden') !== 'true') \
-        .filter(it => !(it.getAttribute('aria-label') || it.textContent.trim() || it.closest('label'))).length";
-    assert_eq!(page.run(names), 0, "everything has a name");
+    assert_eq!(page.run(NAMELESS), 0, "everything has a name");
     let reach = "return [...document.querySelectorAll('[data-say]')] \
         .every(it => { const box = it.getBoundingClientRect(); return box.bottom <= innerHeight && box.height >= 38; })";
     assert_eq!(page.run(reach), true);

@@ -1,6 +1,7 @@
 // The page: shows the scene that the server has, and says what a person does about it.
 
 import * as server from "/server.js";
+import { captions, write } from "/did.js";
 import { Player, SPEEDS } from "/player.js";
 import { Films } from "/film.js";
 import { View, colour, drawSpace, surface } from "/space.js";
@@ -9,6 +10,10 @@ import { drawPlots, layOut } from "/plots.js";
 /// A question that has just come is not answered by what was meant for the one before it.
 const SETTLE_MS = 400;
 
+/// Scenes with clips, and scenes in which there is nothing to do but wait.
+const WATCHED = ["asking", "did"];
+const WAITING = ["looking", "thinking", "preparing"];
+
 const get = (id) => document.getElementById(id);
 const figures = [...document.querySelectorAll("figure")];
 const says = [...document.querySelectorAll("[data-say]")];
@@ -16,6 +21,8 @@ let words = {};
 let scene = null;
 let pictures = null;
 let settled = 0;
+/// The scene before this one that nobody had to wait in.
+let opened = null;
 const view = new View();
 const player = new Player(draw);
 const films = new Films(showFilms);
@@ -51,6 +58,9 @@ function dress() {
   label(get("film"), "show-numbers", "key-film");
   label(get("copy"), "copy");
   label(get("done"), "done", "key-done");
+  for (const button of document.querySelectorAll("[data-look]")) label(button, "look", "key-look");
+  for (const id of ["pair-before", "pair-next", "more"]) label(get(id), id, `key-${id}`);
+  get("acts").setAttribute("aria-label", words["did-label"]);
   get("playback").setAttribute("aria-label", words["player-label"]);
   get("answers").setAttribute("aria-label", words["answers-label"]);
   get("view").setAttribute("aria-label", words["view-label"]);
@@ -69,7 +79,7 @@ function draw(frame) {
     if (filmed) films.draw(canvas, i, now * picture.stride);
     else if (picture.places.length) drawSpace(canvas, picture, frame, view);
     canvas.setAttribute("aria-label", fill("clip-label", {
-      side: words[i ? "right-heading" : "left-heading"],
+      side: figures[i].querySelector("strong").textContent,
       episode: picture.episode,
       frame: now + 1,
       frames: picture.frames,
@@ -133,46 +143,97 @@ function title(text) {
 async function show(next) {
   const before = scene;
   scene = next;
+  settled = 0;
   get("subtitle").textContent = fill("of-dataset", { dataset: scene.dataset });
-  get("said").hidden = !["asking", "review"].includes(scene.phase);
+  get("said").hidden = !["asking", "did", "review"].includes(scene.phase);
+  get("odd").hidden = scene.phase !== "did";
+  get("look-back").hidden = scene.phase !== "review";
   showSaid();
-  if (scene.phase !== "asking") {
-    pictures = null;
-    films.clear();
-    player.load(0, 1);
-  }
-  if (scene.phase === "looking" || scene.phase === "thinking") {
+  if (!WATCHED.includes(scene.phase)) unload();
+  if (WAITING.includes(scene.phase)) {
     if (scene.phase === "looking") title(words["looking-title"]);
     get("waiting-text").textContent = words[scene.phase];
-    // The next question comes in a moment: nothing jumps meanwhile.
-    if (scene.phase === "looking" || before?.phase !== "asking") only("waiting");
+    // What comes next comes in a moment: nothing jumps meanwhile.
+    if (scene.phase === "looking" || !WATCHED.includes(before?.phase)) only("waiting");
     for (const button of says) button.disabled = true;
-    if (before?.phase === "asking") get("why").textContent = words.thinking;
-  } else if (scene.phase === "asking") {
-    await ask();
-  } else {
-    end();
+    if (before?.phase === "asking") get("why").textContent = words[scene.phase];
+    return;
   }
+  get("look").hidden = scene.phase !== "asking";
+  if (scene.phase === "asking") await ask();
+  else if (scene.phase === "did") await look();
+  else end();
+  opened = scene.phase;
+}
+
+/// Leaves no clip to watch.
+function unload() {
+  pictures = null;
+  films.clear();
+  player.load(0, 1);
+}
+
+/// Loads both clips of a scene; false when it is over meanwhile, and the next one is on its way.
+async function load(at) {
+  const both = await server.clips(at);
+  if (!both || scene.at !== at) return false;
+  pictures = both;
+  return true;
 }
 
 async function ask() {
   const at = scene.at;
-  const both = await server.clips(at);
-  // It was answered meanwhile, in another tab: the next scene is on its way.
-  if (!both || scene.at !== at) return;
-  pictures = both;
+  if (!(await load(at))) return;
   title(`${fill("question", { number: scene.number, of: scene.of })}: ${words.ask}`);
   get("why").textContent = scene.why ? fill("why", { why: scene.why }) : words["no-why"];
   for (const button of says) button.disabled = true;
-  only("asking");
+  lay(false);
   // Whoever pressed a button with the keyboard hears the next question, and goes on from there.
-  if (document.activeElement === document.body || document.activeElement.disabled) get("title").focus({ preventScroll: true });
-  view.fit(pictures);
-  pictures.forEach((picture, i) => {
+  if (opened === "did" || document.activeElement === document.body || document.activeElement.disabled) get("title").focus({ preventScroll: true });
+  play(at, pictures.map((picture, i) => {
     const to = picture.start + (picture.frames - 1) * picture.stride;
-    const clip = { episode: picture.episode, from: picture.start, to };
-    figures[i].querySelector(".clip-name").textContent = fill("clip", clip);
-    figures[i].querySelector(".plots").setAttribute("aria-label", `${words[i ? "right-heading" : "left-heading"]}: ${words.plots}`);
+    const heading = words[i ? "right-heading" : "left-heading"];
+    return { heading, clip: fill("clip", { episode: picture.episode, from: picture.start, to }) };
+  }));
+  settled = performance.now() + SETTLE_MS;
+  setTimeout(() => {
+    for (const button of says) button.disabled = button.dataset.say === "undo" && !scene.said.length;
+  }, SETTLE_MS);
+}
+
+/// Shows what the answers did. Turning to another pair leaves the focus where it is.
+async function look() {
+  const { at, shown } = scene;
+  if (shown && !(await load(at))) return;
+  title(words["did-title"]);
+  write(scene, { fill, label, again: (place) => say({ say: "reopen", place }) });
+  lay(true);
+  if (opened !== "did") {
+    get("title").focus();
+    settled = performance.now() + SETTLE_MS;
+  }
+  if (shown) play(at, captions(scene, fill));
+  else unload();
+}
+
+/// Lays the page out for a question, or for what the answers did.
+function lay(looking) {
+  only("asking");
+  get("asking").classList.toggle("looking", looking);
+  get("why").hidden = looking;
+  get("answers").hidden = looking;
+  get("did").hidden = !looking;
+  get("acts").hidden = !looking;
+  for (const id of ["clips", "playback", "still", "film-note"]) get(id).hidden = looking && !scene.shown;
+}
+
+/// Plays both clips of a scene from their beginning, under these captions.
+function play(at, captions) {
+  view.fit(pictures);
+  captions.forEach(({ heading, clip }, i) => {
+    figures[i].querySelector("strong").textContent = heading;
+    figures[i].querySelector(".clip-name").textContent = clip;
+    figures[i].querySelector(".plots").setAttribute("aria-label", `${heading}: ${words.plots}`);
   });
   const still = layOut(figures.map((it) => it.querySelector(".plots")), pictures, words);
   get("still").textContent = still.length ? fill("still", { names: still.join(", ") }) : "";
@@ -181,10 +242,6 @@ async function ask() {
   player.begin(frames, pictures[0].period_s);
   films.begin(at);
   showFilms();
-  settled = performance.now() + SETTLE_MS;
-  setTimeout(() => {
-    for (const button of says) button.disabled = button.dataset.say === "undo" && !scene.said.length;
-  }, SETTLE_MS);
 }
 
 function end() {
@@ -225,14 +282,32 @@ function showSaid() {
 async function say(word) {
   if (performance.now() < settled) return;
   settled = Infinity;
+  const { at } = scene;
   for (const button of says) button.disabled = true;
   try {
-    const taken = await server.say(scene.at, word);
+    const taken = await server.say(at, word);
     get("notice").textContent = taken ? "" : words["too-late"];
   } catch {
     get("notice").textContent = words.lost;
   }
-  settled = 0;
+  // What came of it may be there already.
+  if (scene.at === at) settled = 0;
+}
+
+/// Opens what the answers did, or leaves it.
+function toggleLook() {
+  if (scene?.phase === "did") say({ say: "back" });
+  else if ((scene?.phase === "asking" && pictures) || scene?.phase === "review") say({ say: "look" });
+}
+
+/// Turns to the next pair or the one before; after the last comes the first.
+function turnPair(by) {
+  const { phase, pair, pairs } = scene ?? {};
+  if (phase === "did" && pairs > 1) say({ say: "turn", pair: (pair + by + pairs) % pairs });
+}
+
+function more() {
+  if (scene?.phase === "did" && scene.open !== "stuck") say({ say: "more" });
 }
 
 function press(name) {
@@ -250,6 +325,7 @@ function press(name) {
 const KEYS = {
   1: () => press("left"), 2: () => press("right"), 3: () => press("equal"), 4: () => press("cannot-tell"),
   5: () => press("later"), u: () => press("undo"), p: () => press("film"), " ": () => player.toggle(), ArrowLeft: () => player.step(-1),
+  w: toggleLook, n: () => turnPair(1), b: () => turnPair(-1), m: more,
   ArrowRight: () => player.step(1), "+": () => speed(1), "=": () => speed(1), "-": () => speed(-1),
 };
 
@@ -260,7 +336,11 @@ function speed(by) {
 
 function listen() {
   for (const button of says) button.addEventListener("click", () => press(button.dataset.say));
-  get("done").addEventListener("click", () => say({ say: "done" }));
+  for (const id of ["done", "enough"]) get(id).addEventListener("click", () => say({ say: "done" }));
+  for (const button of document.querySelectorAll("[data-look], #leave")) button.addEventListener("click", toggleLook);
+  get("pair-before").addEventListener("click", () => turnPair(-1));
+  get("pair-next").addEventListener("click", () => turnPair(1));
+  get("more").addEventListener("click", more);
   get("play").addEventListener("click", () => player.toggle());
   get("film").addEventListener("click", () => press("film"));
   get("back").addEventListener("click", () => player.step(-1));
@@ -292,7 +372,8 @@ function listen() {
     if (scrubs && event.key.startsWith("Arrow")) return;
     const presses = target.matches("button, select, input[type=checkbox]");
     if (presses && [" ", "Enter"].includes(event.key)) return;
-    if (event.key === "Enter" && scene?.phase === "review" && !scene.stuck) {
+    const atTheEnd = scene?.phase === "review" ? !scene.stuck : scene?.phase === "did" && scene.open === "review";
+    if (event.key === "Enter" && atTheEnd) {
       say({ say: "done" });
       return;
     }

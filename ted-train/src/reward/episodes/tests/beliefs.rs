@@ -8,7 +8,7 @@ use crate::dataset::{Clip, Segment, SegmentSampler};
 use crate::preferences::{Answer, Context, LogEntry, Query, QueryStrategy, Question, Said, Untold};
 use crate::reward::episodes::EpisodesConfig;
 use crate::reward::episodes::confidence::Confidence;
-use crate::reward::episodes::learn::whole_episodes;
+use crate::reward::episodes::interrogation::whole_episodes;
 use crate::reward::episodes::posterior::{Evidence, Prior, posterior};
 use crate::reward::episodes::questions::MostInformative;
 use crate::rng::Seed;

@@ -3,6 +3,7 @@
 mod beliefs;
 mod learning;
 mod looks;
+mod standing;
 
 use rand::{Rng, RngExt};
 
