@@ -82,7 +82,7 @@ fn flights(flown: &Evaluation, facts: &Facts) -> Result<Markup, ReportError> {
         section {
             h2 { "The flights" }
             table {
-                thead { tr { th {} th { "flights" } th { "return" } th { "score" } th { "success" } th { "faults" } } }
+                thead { tr { td {} th { "flights" } th { "return" } th { "score" } th { "success" } th { "faults" } } }
                 tbody {
                     (row("this policy", flown))
                     @if let Some(clone) = clone { (row("a clone of the same logs", clone)) }

@@ -27,7 +27,13 @@ fn assert_self_contained(page: &str) {
     }
     let inside = page.matches("href=\"data:image/jpeg;base64,").count();
     assert_eq!(page.matches("href=").count(), inside);
-    let addresses = page.match_indices("http").map(|(at, _)| &page[at..at + 26]);
+    let text = page.split("base64,").map(|part| match part.find('"') {
+        // What letters a picture's bytes happen to make is nobody's address.
+        Some(end) if part.starts_with("/9j/") => &part[end..],
+        _ => part,
+    });
+    let text: String = text.collect();
+    let addresses = text.match_indices("http").map(|(at, _)| &text[at..at + 26]);
     addresses.for_each(|address| assert_eq!(address, "http://www.w3.org/2000/svg"));
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use crate::ask::chromium::Chromium;
 use crate::command::{Desk, finish, ted};
 
 #[test]
@@ -78,6 +79,25 @@ fn a_study_of_answers_of_which_nothing_is_finished_is_an_error_that_says_where_i
     assert!(!scores.exists());
 }
 
+#[test]
+fn the_tables_of_answers_are_a_page_as_well_that_everybody_can_read() {
+    let desk = Desk::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let page = desk.run("answers.html");
+    let mut study = ted();
+    study
+        .current_dir(root)
+        .args(["study", "answers", "--table"]);
+    study.args(["--families", "ten", "--methods", "clone,steer"]);
+    finish(study.arg("--page").arg(&page)).with(0);
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.contains("<td>box-close-v3</td>"), "{text}");
+    let browser = Chromium::start([1280, 720]);
+    browser.open(&format!("file://{}", page.display()));
+    browser.photograph("study");
+    assert_eq!(browser.complaints(), Vec::<serde_json::Value>::new());
+}
+
 /// The cheapest study there is: clones of two updates on the toy, which is collected on the way.
 fn clones(desk: &Desk) -> Command {
     let mut study = ted();
@@ -135,6 +155,8 @@ fn parts_of_a_study_collect_what_they_need_side_by_side_and_join_to_the_whole() 
     }
     let tables = finish(&mut clones(&desk)).with(0).said;
     assert!(tables.contains("(`other`), 6 of 6 runs"), "{tables}");
+    let page = std::fs::read_to_string(desk.run("runs/report.html")).unwrap();
+    assert!(page.contains("6 of 6 runs"), "{page}");
     assert!(!desk.run("data").exists());
 
     // A line that says something else is not joined.

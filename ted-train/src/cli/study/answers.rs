@@ -8,10 +8,10 @@ use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
+use super::page;
 use crate::cli::failures::end;
 use crate::cli::locate::datasets_root;
 use crate::report;
-use crate::run::REPORT;
 use crate::study::answers::{
     self, AnswerScore, Desk, Family, Method, Planned, Shard, markdown, sections,
 };
@@ -109,8 +109,7 @@ pub(super) fn run(args: &AnswersArgs) -> Result<(), Failure> {
         ));
     }
     let sections = sections(&planned, &lines);
-    let after_all = || (!args.table).then(|| args.out.join(REPORT));
-    if let Some(page) = args.page.clone().or_else(after_all) {
+    if let Some(page) = page(args.page.as_deref(), args.table, &args.out)? {
         report::study::answers(&sections, &page).map_err(end)?;
     }
     args.output.print(&shown, || markdown(&sections))

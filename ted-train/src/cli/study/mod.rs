@@ -5,8 +5,14 @@ mod merge;
 mod policies;
 mod reward;
 
+use std::path::{Path, PathBuf};
+
 use clap::{Args, Subcommand};
+use firmware_sim::disk;
 use firmware_sim::failure::Failure;
+
+use crate::cli::failures::end;
+use crate::run::REPORT;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,6 +34,16 @@ enum Study {
     Policies(policies::PoliciesArgs),
     Answers(answers::AnswersArgs),
     Merge(merge::MergeArgs),
+}
+
+/// The file for a study's page: the one that was named, or report.html among its runs, but none where it was only to be printed.
+fn page(named: Option<&Path>, printed: bool, out: &Path) -> Result<Option<PathBuf>, Failure> {
+    if named.is_some() || printed {
+        return Ok(named.map(Path::to_path_buf));
+    }
+    // All scores may come from a file, and then there is no run.
+    disk::create_folder(out).map_err(end)?;
+    Ok(Some(out.join(REPORT)))
 }
 
 pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {

@@ -8,13 +8,13 @@ use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
+use super::page;
 use crate::cli::failures::end;
 use crate::cli::locate::dataset_path;
 use crate::cli::presets::{self, PresetArg};
 use crate::cli::seeds::Seeds;
 use crate::config::Preset;
 use crate::report;
-use crate::run::REPORT;
 use crate::study::fill::Making;
 use crate::study::policies;
 use crate::study::table::table;
@@ -114,8 +114,7 @@ pub(super) fn run(args: &PoliciesArgs) -> Result<(), Failure> {
         ));
     }
     let table = table(&scores);
-    let after_all = || (!args.table).then(|| args.out.join(REPORT));
-    if let Some(page) = args.page.clone().or_else(after_all) {
+    if let Some(page) = page(args.page.as_deref(), args.table, &args.out)? {
         report::study::policies(&table, &page).map_err(end)?;
     }
     args.output.print(&scores, || table.markdown())
