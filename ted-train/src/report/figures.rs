@@ -182,6 +182,9 @@ pub(super) fn estimates(rows: &[(String, Estimate)]) -> Result<String, ReportErr
             .y_label_formatter(&tick)
             .disable_y_mesh()
             .y_labels(0)
+            // Sizes that follow the height would be too small to read where there are few lines.
+            .label_style(("sans-serif", 12))
+            .axis_desc_style(("sans-serif", 13))
             .x_desc("mean score, and its 95 % interval")
             .draw()?;
         for (row, (name, it)) in rows.iter().enumerate() {

@@ -19,7 +19,7 @@ pub fn answers(sections: &[Section], out: &Path) -> Result<(), ReportError> {
     let body = html! {
         p {
             "A score is a mean return over the largest return of the logs. Intervals are of 95 %, 2,000 resamples of the seeds within each task; IQM is the \
-             mean of the middle half of the runs."
+             mean of the middle half of the runs. In the tables by task a cell is mean score / mean success."
         }
         @for part in parts? { (part) }
     };
