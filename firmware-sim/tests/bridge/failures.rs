@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use firmware_sim::bridge::frame::PROTOCOL_VERSION;
 use firmware_sim::bridge::{BridgeError, Environment, EpisodeJob, Worker};
 use firmware_sim::exit::ExitCode;
 
@@ -61,10 +62,10 @@ fn a_worker_of_another_protocol_version_is_refused_with_both_versions() {
     assert!(matches!(
         error,
         BridgeError::ProtocolVersion {
-            expected: 4,
-            actual: 5,
+            expected: PROTOCOL_VERSION,
+            actual,
             ..
-        }
+        } if actual == PROTOCOL_VERSION + 1
     ));
     assert!(fake.all_ended());
 }
