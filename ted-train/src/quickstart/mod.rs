@@ -234,7 +234,12 @@ pub fn quickstart(
     stage(
         audience,
         3,
-        "look at the logs, ask ten questions, and learn a policy that the answers steer",
+        match config.asked {
+            None => {
+                "look at the logs, ask ten questions, and learn a policy that the answers steer"
+            }
+            Some(_) => "learn a policy that your answers steer",
+        },
     );
     let reference = DatasetReference {
         id: dataset.id().to_owned(),
@@ -249,7 +254,7 @@ pub fn quickstart(
     };
     let mut teacher = Narrator::new(ScriptedTeacher::truthful(), audience);
     let folder = learned(&training, &mut teacher)?;
-    if teacher.asked() == 0 {
+    if config.asked.is_none() && teacher.asked() == 0 {
         let log = folder.file(PREFERENCES);
         audience.note(&format!(
             "  the questions were asked before: {}",
