@@ -36,7 +36,7 @@ EPISODE = [
 ]
 
 EXPECTED = {
-    "hello": wire.hello(5),
+    "hello": wire.hello(),
     "ready": wire.frame(messages.READY, 0, messages.text("python=3.11.7 mujoco=3.3.0")),
     "open": wire.frame(messages.OPEN, 1, messages.text("drawer-open-v3")),
     "opened": wire.frame(messages.OPENED, 1, messages.SHAPE.pack(2, 1, 1, 1, 1, 1, 500)),

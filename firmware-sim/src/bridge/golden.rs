@@ -77,7 +77,7 @@ fn the_document_names_the_version_that_the_code_speaks() {
 
 #[test]
 fn the_greeting_is_the_document_s() {
-    assert_eq!(golden()["hello"], frame::hello(4));
+    assert_eq!(golden()["hello"], frame::hello(PROTOCOL_VERSION));
     let other: [u8; HELLO_LEN] = frame::hello(7);
     assert_eq!(frame::check_hello(&other), Ok(7));
 }
