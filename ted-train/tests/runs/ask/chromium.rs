@@ -52,6 +52,8 @@ impl Chromium {
             "browserName": "chrome",
             "goog:chromeOptions": options,
             "goog:loggingPrefs": {"browser": "ALL"},
+            // Beside other tests a large page takes its time to be examined.
+            "timeouts": {"script": 120_000},
         });
         let begun = chromium.ask(
             "POST",
