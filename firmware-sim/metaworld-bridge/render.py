@@ -23,6 +23,9 @@ from cameras import camera_of
 WAYS = ("cgl",) if sys.platform == "darwin" else ("egl", "osmesa")
 REMEDY = "on Debian and Ubuntu: apt install libosmesa6, or with a GPU libegl1 and libopengl0"
 
+# Seconds after which a way is given up: all of them together have to be done before the parent gives the worker up.
+PATIENCE = 40
+
 FOLDER = str(pathlib.Path(__file__).resolve().parent)
 
 # Far more than any scene of Meta-World has.
@@ -59,9 +62,17 @@ def trouble_with(way):
     """Why a way does not work; none if it does. It is tried in another process: what a library that fails leaves behind stands in the
     way of the next one, and some drivers end the process."""
     code = f"import sys; sys.path.insert(0, {FOLDER!r}); import render; print(render.trouble_here({way!r}))"
-    tried = subprocess.run(
-        [sys.executable, "-Es", "-c", code], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
-    )
+    try:
+        tried = subprocess.run(
+            [sys.executable, "-Es", "-c", code],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=PATIENCE,
+        )
+    except subprocess.TimeoutExpired:
+        return f"it gave no answer in {PATIENCE} s"
     if tried.returncode != 0:
         return f"it ended with status {tried.returncode}"
     return tried.stdout.strip() or None

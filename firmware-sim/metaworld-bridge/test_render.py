@@ -159,6 +159,15 @@ class Refusals(unittest.TestCase):
         self.assertIn("apt install libosmesa6", messages.read_text(fault[2:]))
         self.assertEqual(after, messages.RESETTED)
 
+    def test_a_way_that_gives_no_answer_is_given_up(self):
+        import render
+
+        patience, render.PATIENCE = render.PATIENCE, 0.01
+        try:
+            self.assertEqual(render.trouble_with(render.WAYS[0]), "it gave no answer in 0.01 s")
+        finally:
+            render.PATIENCE = patience
+
     def test_a_picture_needs_an_open_task(self):
         ((kind, fault),) = served([(messages.RENDER, b"")])
         self.assertEqual((kind, messages.FAULT_CODE.unpack_from(fault)[0]), (messages.FAULT, messages.NO_EPISODE))
