@@ -32,9 +32,9 @@ pub(super) fn clips<'a>(shots: impl IntoIterator<Item = (&'a Shot, String)>) -> 
             @for (Shot { picture, stills }, caption) in &shots {
                 figure {
                     figcaption { (caption) }
-                    @if !stills.is_empty() { (film(picture, stills)) }
+                    @if !stills.is_empty() { (film(picture, stills, caption)) }
                     @else if picture.places.is_empty() { (curves(picture)) }
-                    @else { @for (name, axes) in VIEWS { (view(picture, name, axes, &frame)) } }
+                    @else { @for (name, axes) in VIEWS { (view(picture, name, axes, &frame, caption)) } }
                 }
             }
         }
@@ -62,16 +62,15 @@ fn seconds(picture: &Picture) -> f64 {
 }
 
 /// Stills one after the other. The last one lies below: it is what is seen where nothing moves.
-fn film(picture: &Picture, stills: &[Bytes]) -> Markup {
+fn film(picture: &Picture, stills: &[Bytes], caption: &str) -> Markup {
     let (count, seconds) = (stills.len() as f64, seconds(picture));
     let data = |jpeg: &Bytes| format!("data:image/jpeg;base64,{}", BASE64.encode(jpeg));
-    let (last, before) = stills
-        .split_last()
-        .map_or((None, stills), |(last, before)| (Some(last), before));
-    let label = format!("pictures of episode {}", picture.episode);
+    let Some((last, before)) = stills.split_last() else {
+        return html! {};
+    };
     html! {
-        svg .film width="240" height="180" role="img" aria-label=(label) {
-            @if let Some(last) = last { image href=(data(last)) width="240" height="180" {} }
+        svg .film width="240" height="180" role="img" aria-label=(caption) {
+            image href=(data(last)) width="240" height="180" {}
             @for (number, still) in before.iter().enumerate() {
                 image .moves href=(data(still)) width="240" height="180" opacity="0" {
                     animate attributeName="opacity" calcMode="discrete" repeatCount="indefinite" dur=(format!("{seconds:.1}s"))
@@ -117,9 +116,9 @@ impl Frame {
     }
 }
 
-fn view(picture: &Picture, name: &str, axes: [usize; 2], frame: &Frame) -> Markup {
+fn view(picture: &Picture, name: &str, axes: [usize; 2], frame: &Frame, caption: &str) -> Markup {
     let seconds = seconds(picture);
-    let label = format!("episode {} {name}", picture.episode);
+    let label = format!("{caption}, {name}");
     html! {
         svg .view width=(SIDE) height=(SIDE + TITLE) viewBox={ "0 0 " (SIDE) " " (SIDE + TITLE) } role="img" aria-label=(label) {
             @for (place, colour) in picture.places.iter().zip(colours()) {

@@ -121,39 +121,26 @@ pub(super) fn flights(
         .collect();
     let height = 90 + 60 * u32::try_from(rows.len()).unwrap_or(1);
     drawn((SIZE.0, height), |root| {
-        let top = rows.len() as f64;
-        let mut chart = ChartBuilder::on(root)
-            .margin(12)
-            .margin_right(28)
-            .x_label_area_size(36)
-            .y_label_area_size(60)
-            .build_cartesian_2d(around(&all), 0.0..top)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
-            .disable_y_mesh()
-            .y_labels(0)
-            .x_desc(match rewarded {
-                true => "return of a flight; lines: mean and largest return of the logs",
-                false => "return of a flight",
-            })
-            .draw()?;
+        let words = match rewarded {
+            true => "return of a flight; lines: mean and largest return of the logs",
+            false => "return of a flight",
+        };
+        let names: Vec<&str> = rows.iter().map(|(name, _)| *name).collect();
+        let mut chart = named_rows(root, &names, 60, around(&all), words)?;
         for &mark in &marks {
-            chart.draw_series(LineSeries::new([(mark, 0.0), (mark, top)], LINE))?;
+            chart.draw_series(LineSeries::new(
+                [(mark, 0.0), (mark, rows.len() as f64)],
+                LINE,
+            ))?;
         }
-        for (row, (name, returns)) in rows.iter().enumerate() {
-            let middle = top - 0.5 - row as f64;
+        for (row, (_, returns)) in rows.iter().enumerate() {
+            let middle = middle(row, rows.len());
             let colour = if row == 0 { ABOVE } else { BELOW };
             chart.draw_series(returns.iter().enumerate().map(|(flight, &x)| {
                 // Equal returns would hide each other.
                 let aside = 0.25 * ((flight % 5) as f64 / 2.0 - 1.0);
                 Circle::new((x, middle + aside), 4, colour.mix(0.7).filled())
             }))?;
-            let at = chart.backend_coord(&(around(&all).start, middle));
-            let style = ("sans-serif", 13).into_text_style(root);
-            root.draw_text(name, &style, (12, at.1 - 8))?;
         }
         Ok(())
     })
@@ -168,36 +155,17 @@ pub(super) fn estimates(rows: &[(String, Estimate)]) -> Result<String, ReportErr
     let all = rows.iter().flat_map(|(_, it)| ends(it));
     let range = around(&all.chain([0.0, 1.0]).collect::<Vec<_>>());
     drawn((SIZE.0 + NAMES, 60 + LINE_HEIGHT * count), |root| {
-        let top = rows.len() as f64;
-        let mut chart = ChartBuilder::on(root)
-            .margin(12)
-            .margin_right(28)
-            .x_label_area_size(36)
-            .y_label_area_size(NAMES)
-            .build_cartesian_2d(range.clone(), 0.0..top)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
-            .disable_y_mesh()
-            .y_labels(0)
-            // Sizes that follow the height would be too small to read where there are few lines.
-            .label_style(("sans-serif", 12))
-            .axis_desc_style(("sans-serif", 13))
-            .x_desc("mean score, and its 95 % interval")
-            .draw()?;
-        for (row, (name, it)) in rows.iter().enumerate() {
-            let middle = top - 0.5 - row as f64;
+        let names: Vec<&str> = rows.iter().map(|(name, _)| name.as_str()).collect();
+        let words = "mean score, and its 95 % interval";
+        let mut chart = named_rows(root, &names, NAMES, range, words)?;
+        for (row, (_, it)) in rows.iter().enumerate() {
+            let middle = middle(row, rows.len());
             let [low, high] = ends(it);
             chart.draw_series(LineSeries::new(
                 [(low, middle), (high, middle)],
                 ABOVE.stroke_width(3),
             ))?;
             chart.draw_series([Circle::new((it.value, middle), 5, ABOVE.filled())])?;
-            let at = chart.backend_coord(&(range.start, middle));
-            let style = ("sans-serif", 13).into_text_style(root);
-            root.draw_text(name, &style, (12, at.1 - 8))?;
         }
         Ok(())
     })
@@ -226,6 +194,46 @@ pub(super) fn curve(curve: &Curve) -> Result<String, ReportError> {
         chart.draw_series(LineSeries::new(curve.points.iter().copied(), ABOVE))?;
         Ok(())
     })
+}
+
+/// A chart of rows, the first one on top, with a name of each in so many pixels on the left, and words under it.
+fn named_rows<'a, 's>(
+    root: &'a Area<'s>,
+    names: &[&str],
+    width: u32,
+    range: Range<f64>,
+    words: &str,
+) -> Result<Chart<'a, 's>, Box<dyn std::error::Error>> {
+    let left = range.start;
+    let mut chart = ChartBuilder::on(root)
+        .margin(12)
+        .margin_right(28)
+        .x_label_area_size(36)
+        .y_label_area_size(width)
+        .build_cartesian_2d(range, 0.0..names.len() as f64)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .x_label_formatter(&tick)
+        .y_label_formatter(&tick)
+        .disable_y_mesh()
+        .y_labels(0)
+        // Sizes that follow the height would be too small to read where there are few rows.
+        .label_style(("sans-serif", 12))
+        .axis_desc_style(("sans-serif", 13))
+        .x_desc(words)
+        .draw()?;
+    for (row, name) in names.iter().enumerate() {
+        let at = chart.backend_coord(&(left, middle(row, names.len())));
+        let style = ("sans-serif", 13).into_text_style(root);
+        root.draw_text(name, &style, (12, at.1 - 8))?;
+    }
+    Ok(chart)
+}
+
+/// How high a row lies among so many.
+fn middle(row: usize, rows: usize) -> f64 {
+    rows as f64 - 0.5 - row as f64
 }
 
 type Chart<'a, 's> = ChartContext<'a, SVGBackend<'s>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;

@@ -7,6 +7,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::page::{plot, sheet};
 use super::{ReportError, figures};
+use crate::statistics::Estimate;
 use crate::study::answers::{Aggregate, Section};
 use crate::study::grid::Grid;
 
@@ -49,7 +50,7 @@ fn section(of: &Section) -> Result<Markup, ReportError> {
 }
 
 /// A line of the picture.
-fn marked(it: &Aggregate) -> Option<(String, crate::statistics::Estimate)> {
+fn marked(it: &Aggregate) -> Option<(String, Estimate)> {
     Some((format!("{}, {}", it.variant, it.method.name()), it.score?))
 }
 
