@@ -183,3 +183,13 @@ fn without_a_cluster_slurm_is_an_error_that_says_so() {
     study.env("PATH", desk.folder.path()).args(["--slurm", "2"]);
     finish(&mut study).with(1).telling("cannot run sbatch");
 }
+
+#[test]
+fn a_page_that_cannot_be_written_is_told_before_anything_is_made() {
+    let desk = Desk::new();
+    let mut study = clones(&desk);
+    finish(study.args(["--page", "missing/answers.html"]))
+        .with(6)
+        .telling("missing/answers.html");
+    assert!(!desk.run("data").exists() && !desk.run("all.jsonl").exists());
+}

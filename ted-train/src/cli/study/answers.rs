@@ -83,6 +83,10 @@ pub(super) fn run(args: &AnswersArgs) -> Result<(), Failure> {
         return submit(args, parts);
     }
     let planned = args.plan()?;
+    let page = match args.shard {
+        Some(_) => None,
+        None => page(args.page.as_deref(), args.table, &args.out)?,
+    };
     if !args.table {
         make(args, &planned)?;
         if let Some(shard) = args.shard {
@@ -109,7 +113,7 @@ pub(super) fn run(args: &AnswersArgs) -> Result<(), Failure> {
         ));
     }
     let sections = sections(&planned, &lines);
-    if let Some(page) = page(args.page.as_deref(), args.table, &args.out)? {
+    if let Some(page) = page {
         report::study::answers(&sections, &page).map_err(end)?;
     }
     args.output.print(&shown, || markdown(&sections))

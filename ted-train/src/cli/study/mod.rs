@@ -36,14 +36,19 @@ enum Study {
     Merge(merge::MergeArgs),
 }
 
-/// The file for a study's page: the one that was named, or report.html among its runs, but none where it was only to be printed.
+/// The file for a study's page: the one that was named, or report.html among its runs, but none where it was only to be printed. It
+/// is known before the first run that the page can be written.
 fn page(named: Option<&Path>, printed: bool, out: &Path) -> Result<Option<PathBuf>, Failure> {
-    if named.is_some() || printed {
-        return Ok(named.map(Path::to_path_buf));
-    }
-    // All scores may come from a file, and then there is no run.
-    disk::create_folder(out).map_err(end)?;
-    Ok(Some(out.join(REPORT)))
+    let page = match named {
+        Some(named) => named.to_path_buf(),
+        None if printed => return Ok(None),
+        None => {
+            disk::create_folder(out).map_err(end)?;
+            out.join(REPORT)
+        }
+    };
+    disk::check_writable(&page).map_err(end)?;
+    Ok(Some(page))
 }
 
 pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {

@@ -91,6 +91,7 @@ pub(super) fn run(args: &PoliciesArgs) -> Result<(), Failure> {
     let runs = runs.map_err(end)?;
     let in_out = || args.out.join("scores.jsonl");
     let file = args.scores.clone().unwrap_or_else(in_out);
+    let page = page(args.page.as_deref(), args.table, &args.out)?;
     if !args.table {
         let making = Making {
             scores: &file,
@@ -114,7 +115,7 @@ pub(super) fn run(args: &PoliciesArgs) -> Result<(), Failure> {
         ));
     }
     let table = table(&scores);
-    if let Some(page) = page(args.page.as_deref(), args.table, &args.out)? {
+    if let Some(page) = page {
         report::study::policies(&table, &page).map_err(end)?;
     }
     args.output.print(&scores, || table.markdown())
