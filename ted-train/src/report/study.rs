@@ -32,7 +32,7 @@ pub fn answers(sections: &[Section], out: &Path) -> Result<(), ReportError> {
 /// # Errors
 /// When the page cannot be written.
 pub fn policies(table: &Grid, out: &Path) -> Result<(), ReportError> {
-    write("Tasks and presets", &grid(table), out)
+    write("Tasks and presets", &grid(table, "Scores"), out)
 }
 
 fn section(of: &Section) -> Result<Markup, ReportError> {
@@ -43,8 +43,8 @@ fn section(of: &Section) -> Result<Markup, ReportError> {
             h2 { (title) }
             p .small { (of.heading()) }
             (plot(figures::estimates(&rows)?, &format!("{title}: mean score of each method, as in the table")))
-            (grid(&of.together()))
-            (grid(&of.rows))
+            (grid(&of.together(), &format!("{title}, together")))
+            (grid(&of.rows, &format!("{title}, by task")))
         }
     })
 }
@@ -54,9 +54,10 @@ fn marked(it: &Aggregate) -> Option<(String, Estimate)> {
     Some((format!("{}, {}", it.variant, it.method.name()), it.score?))
 }
 
-fn grid(it: &Grid) -> Markup {
+/// A table that a person can move with the keyboard, too, where it is wider than the page.
+fn grid(it: &Grid, label: &str) -> Markup {
     html! {
-        div .wide {
+        div .wide tabindex="0" role="group" aria-label=(label) {
             table {
                 thead { tr { @for name in &it.head { th { (name) } } } }
                 tbody { @for row in &it.rows { tr { @for cell in row { td { (cell) } } } } }

@@ -88,7 +88,7 @@ fn the_tables_of_answers_are_a_page_as_well_that_everybody_can_read() {
     study
         .current_dir(root)
         .args(["study", "answers", "--table"]);
-    study.args(["--families", "ten", "--methods", "clone,steer"]);
+    study.args(["--families", "ten"]);
     finish(study.arg("--page").arg(&page)).with(0);
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(text.contains("<td>box-close-v3</td>"), "{text}");
