@@ -35,6 +35,8 @@ pub mod qemu;
 #[cfg(feature = "std")]
 pub mod remote;
 #[cfg(feature = "std")]
+pub mod robot;
+#[cfg(feature = "std")]
 pub mod rollout;
 pub mod safety;
 pub mod scorer;
@@ -49,3 +51,5 @@ pub mod tasks;
 #[cfg(feature = "std")]
 mod wait;
 pub mod workspace;
+#[cfg(feature = "std")]
+pub mod worlds;

@@ -3,11 +3,13 @@
 //! It computes what the trainer computed over its dataset, to the bit, so that a logged episode is told apart here as it
 //! would be there: the ones in the top k % are worth uploading.
 
+use heapless::Vec;
+use ted_core::MAX_ACTION;
 use ted_core::quantised::QuantisedRewardEnsemble;
 use ted_core::{
     DiscountClass, EpisodeReturn, Part, ReturnThreshold, RewardEnsemble, ShapeError, TedDiscount,
 };
-use ted_policy::Artifact;
+use ted_policy::{ActionMap, Artifact};
 
 use crate::controller::Numeric;
 use crate::workspace::Workspace;
@@ -24,6 +26,7 @@ pub struct EpisodeScorer<'a> {
 pub struct BareScorer<'a> {
     networks: Networks<'a>,
     ted: TedDiscount,
+    maps: Vec<ActionMap, MAX_ACTION>,
 }
 
 // The larger variant cannot be boxed: a device has no heap.
@@ -52,12 +55,12 @@ impl<'a> EpisodeScorer<'a> {
         })
     }
 
-    /// Adds a step: what was seen, and the action that went out.
+    /// Adds a step: what was seen, and the action that went out, in the robot's units.
     ///
     /// # Errors
     /// When one of the two has another length than the contract says; the return stays as it was.
-    pub fn push(&mut self, obs_raw: &[f32], action_unit: &[f32]) -> Result<(), ShapeError> {
-        self.bare.push(obs_raw, action_unit, &mut self.workspace)
+    pub fn push(&mut self, obs_raw: &[f32], action_env: &[f32]) -> Result<(), ShapeError> {
+        self.bare.push(obs_raw, action_env, &mut self.workspace)
     }
 
     /// Predicted return so far, for people: a reward of 1 at every step adds up to the number of steps.
@@ -115,8 +118,16 @@ impl<'a> BareScorer<'a> {
                 episode: EpisodeReturn::default(),
             },
         };
-        let ted = artifact.ted()?;
-        Some(Self { networks, ted })
+        let mut maps = Vec::new();
+        for channel in artifact.terms().action.iter() {
+            // There is room: a contract has no more.
+            maps.push(channel.map()).ok();
+        }
+        Some(Self {
+            networks,
+            ted: artifact.ted()?,
+            maps,
+        })
     }
 
     /// Takes the artefact's networks, where it is: on a device there is no room to move them. False if it has none in
@@ -136,7 +147,7 @@ impl<'a> BareScorer<'a> {
         }
     }
 
-    /// Adds a step: what was seen, and the action that went out.
+    /// Adds a step: what was seen, and the action that went out, in the robot's units.
     ///
     /// # Errors
     /// When one of the two has another length than the contract says, or the workspace is for other numbers; the return
@@ -144,22 +155,34 @@ impl<'a> BareScorer<'a> {
     pub fn push(
         &mut self,
         obs_raw: &[f32],
-        action_unit: &[f32],
+        action_env: &[f32],
         workspace: &mut Workspace,
     ) -> Result<(), ShapeError> {
+        if action_env.len() != self.maps.len() {
+            return Err(ShapeError::Mismatch {
+                part: Part::Action,
+                expected: self.maps.len(),
+                actual: action_env.len(),
+            });
+        }
+        let mut action_unit = Vec::<f32, MAX_ACTION>::new();
+        for (map, &env) in self.maps.iter().zip(action_env) {
+            // There is room: there are as many as maps.
+            action_unit.push(map.unit(env)).ok();
+        }
         match (&mut self.networks, workspace) {
             (
                 Networks::F32 {
                     reward, episode, ..
                 },
                 Workspace::F32(scratch),
-            ) => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+            ) => episode.push(reward.reward_hat(obs_raw, &action_unit, scratch)?),
             (
                 Networks::Integer {
                     reward, episode, ..
                 },
                 Workspace::Integer(scratch),
-            ) => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
+            ) => episode.push(reward.reward_hat(obs_raw, &action_unit, scratch)?),
             _ => return Err(ShapeError::Empty { part: Part::Input }),
         }
         Ok(())

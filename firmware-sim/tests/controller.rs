@@ -285,7 +285,7 @@ fn the_contract_says_which_channel_holds_on_a_fault_and_not_its_name() {
     for channel in &mut spec.contract.action {
         channel.on_fault = match channel.on_fault {
             SafeAction::Zero => SafeAction::HoldLast,
-            SafeAction::HoldLast => SafeAction::Zero,
+            SafeAction::HoldLast | SafeAction::Value(_) => SafeAction::Zero,
         };
     }
     loaded(&spec, |controller| {

@@ -6,6 +6,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 use ted_core::{MAX_ACTION, MAX_OBSERVATION};
 
+use crate::action_map::ActionMap;
 use crate::metadata::{self, Terms};
 use crate::text::Text;
 
@@ -31,24 +32,34 @@ pub struct ActionChannel<'a> {
     pub name: Text<'a>,
     /// Its unit, such as `cm`.
     pub unit: Text<'a>,
-    /// Smallest value a controller sends.
+    /// Smallest value a controller sends, which stands for the policy's -1.
     pub low: f32,
-    /// Largest value a controller sends.
+    /// Largest value a controller sends, which stands for the policy's 1.
     pub high: f32,
-    /// Largest change from one tick to the next.
+    /// Largest change from one tick to the next, in the channel's unit.
     pub slew_per_tick: f32,
     /// What is sent once the policy no longer flies.
     pub on_fault: SafeAction,
 }
 
+impl ActionChannel<'_> {
+    /// Between the policy's numbers and the robot's.
+    #[must_use]
+    pub const fn map(&self) -> ActionMap {
+        ActionMap::new(self.low, self.high)
+    }
+}
+
 /// What an action channel is sent while a fault is latched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SafeAction {
     /// Zero: a motion stops.
     Zero,
     /// What was sent last: a gripper keeps its grip.
     HoldLast,
+    /// This, in the channel's unit: a valve opens, a motor idles.
+    Value(f32),
 }
 
 /// What a policy expects of the world, and what it promises.
@@ -66,14 +77,17 @@ pub struct Contract<'a> {
     pub control_period_us: u32,
     /// Oldest observation a controller acts on, in microseconds.
     pub max_observation_age_us: u32,
+    /// Whether somebody declared the robot. Where nobody did, names, units and times stand for nothing: the policy can be shown
+    /// recordings, and no device flies it.
+    pub declared: bool,
 }
 
 impl<'a> Contract<'a> {
-    /// Joins the channels and checks that the contract can be kept.
+    /// Joins the channels of a declared robot and checks that the contract can be kept.
     ///
     /// # Errors
     /// When a list is empty or too long, a name is empty, a range is not finite and ordered, a slew limit is not
-    /// positive, a channel is to stop at a zero that it may not be sent, or the control period is zero.
+    /// positive, a channel is to stop at a value that it may not be sent, or the control period is zero.
     pub fn new(
         task: &'a str,
         observation: &[ObservationChannel<'a>],
@@ -95,9 +109,19 @@ impl<'a> Contract<'a> {
             })?,
             control_period_us,
             max_observation_age_us,
+            declared: true,
         };
         contract.check()?;
         Ok(contract)
+    }
+
+    /// The same of a robot that nobody declared.
+    #[must_use]
+    pub fn undeclared(self) -> Self {
+        Self {
+            declared: false,
+            ..self
+        }
     }
 
     pub(crate) fn check(&self) -> Result<(), ContractFault> {
@@ -117,6 +141,7 @@ impl<'a> Contract<'a> {
             action: Vec::new(),
             control_period_us: terms.control_period_us,
             max_observation_age_us: terms.max_observation_age_us,
+            declared: terms.declared,
         };
         // There is room: the lists are no longer.
         for channel in terms.observation.iter() {
@@ -159,7 +184,7 @@ pub enum ContractFault {
         /// Which channel.
         channel: usize,
     },
-    /// An action channel is to be sent zero on a fault, but zero is outside its range.
+    /// An action channel is to be sent a value on a fault that is outside its range.
     NoSafeAction {
         /// Which channel.
         channel: usize,
@@ -190,7 +215,7 @@ impl fmt::Display for ContractFault {
             ),
             Self::NoSafeAction { channel } => write!(
                 f,
-                "action channel {channel} stops at zero, which is outside its range: widen the range or hold the last action"
+                "action channel {channel} stops at a value outside its range: widen the range, or stop at another value or the last one sent"
             ),
             Self::ControlPeriod => f.write_str("the control period is zero"),
         }

@@ -7,7 +7,7 @@ use crate::error::ArtifactError;
 pub const MAGIC: [u8; 8] = *b"\x89TED\r\n\x1a\n";
 
 /// The version of the format that this crate reads and writes.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// Length of the header in bytes. The metadata follows it at once.
 pub const HEADER_LENGTH: usize = 48;

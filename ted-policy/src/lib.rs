@@ -11,6 +11,7 @@ compile_error!(
     "the artefact's weights are little-endian and borrowed in place: a big-endian machine cannot read them"
 );
 
+mod action_map;
 mod arrays;
 mod artifact;
 mod code;
@@ -35,6 +36,7 @@ mod load;
 #[cfg(feature = "std")]
 mod write;
 
+pub use action_map::ActionMap;
 pub use artifact::Artifact;
 pub use contract::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
 pub use crc::crc32;

@@ -65,6 +65,8 @@ pub struct Terms<'a> {
     pub control_period_us: u32,
     /// Oldest observation a controller acts on, in microseconds.
     pub max_observation_age_us: u32,
+    /// Whether somebody declared the robot: see [`Contract`](crate::Contract).
+    pub declared: bool,
 }
 
 impl Terms<'_> {
@@ -110,7 +112,13 @@ pub(crate) fn check<'a>(
         if it.name.is_empty() || !ordered || !slew.is_finite() || slew <= 0.0 {
             return Err(ContractFault::Action { channel });
         }
-        if it.on_fault == SafeAction::Zero && !(it.low..=it.high).contains(&0.0) {
+        let stops_at = match it.on_fault {
+            SafeAction::Zero => Some(0.0),
+            SafeAction::HoldLast => None,
+            SafeAction::Value(value) => Some(value),
+        };
+        // A NaN is in no range.
+        if stops_at.is_some_and(|value| !(it.low..=it.high).contains(&value)) {
             return Err(ContractFault::NoSafeAction { channel });
         }
     }
@@ -181,6 +189,7 @@ impl<'a> Outline<'a> {
             action: reader.list(MAX_ACTION)?,
             control_period_us: reader.take()?,
             max_observation_age_us: reader.take()?,
+            declared: reader.take()?,
         };
         let provenance = reader.rest;
         let finite_provenance = reader.take_provenance()?;

@@ -1,4 +1,4 @@
-//! The metadata as it is on the wire, format version 1.
+//! The metadata as it is on the wire, format version 2.
 //!
 //! `docs/artifact-format.md` describes these types and carries their fingerprint. Postcard is not self-describing: any
 //! change here, a new order included, is a new format version.

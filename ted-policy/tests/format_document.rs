@@ -9,7 +9,7 @@ mod support;
 use support::{full, minimal};
 use ted_core::{Dense, Mlp, Normaliser, Output, RewardEnsemble, RewardInput, RewardRange};
 use ted_policy::{
-    Artifact, ArtifactBytes, ArtifactSpec, FORMAT_VERSION, HEADER_LENGTH, MAGIC, write,
+    Artifact, ArtifactBytes, ArtifactSpec, FORMAT_VERSION, HEADER_LENGTH, MAGIC, SafeAction, write,
 };
 
 const DOCUMENT: &str = include_str!("../../docs/artifact-format.md");
@@ -31,7 +31,10 @@ fn with_state_reward() -> Vec<u8> {
     };
     let reward =
         RewardEnsemble::new(RewardInput::Observation, normaliser, &[member], range).unwrap();
+    let mut contract = minimal().contract.undeclared();
+    contract.action[0].on_fault = SafeAction::Value(0.25);
     write(&ArtifactSpec {
+        contract,
         reward: Some(reward),
         ..minimal()
     })

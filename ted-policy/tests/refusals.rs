@@ -398,6 +398,13 @@ fn a_contract_that_cannot_be_kept_is_refused() {
         ..never_zero
     };
     assert_eq!(new(&[x], &[dx, held]), Ok(()));
+    for (value, kept) in [(0.75, true), (0.25, false), (f32::NAN, false)] {
+        let idle = ActionChannel {
+            on_fault: SafeAction::Value(value),
+            ..never_zero
+        };
+        assert_eq!(new(&[x], &[dx, idle]).is_ok(), kept, "{value}");
+    }
     assert_eq!(
         Contract::new("", &[x], &[dx], 1, 1),
         Err(ContractFault::Task)

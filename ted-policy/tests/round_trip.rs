@@ -213,6 +213,8 @@ proptest! {
         task in "[a-z-]{1,30}",
         seed: u64,
         return_max in prop::num::f64::NORMAL,
+        idle in -1.0_f32..3.0,
+        declared: bool,
     ) {
         let (inputs, outputs) = (widths[0], widths[widths.len() - 1]);
         let mut rest = &numbers[..];
@@ -229,10 +231,10 @@ proptest! {
         let normaliser = Normaliser::new(take(inputs), &scale).unwrap();
         let policy = Policy::new(normaliser, Mlp::new(&layers, Output::Tanh).unwrap()).unwrap();
         let observation = ObservationChannel { name: "o".into(), unit: "".into(), low: -2.0, high: 2.0 };
-        let action = ActionChannel { name: "a".into(), unit: "".into(), low: -1.0, high: 1.0, slew_per_tick: 1.0, on_fault: SafeAction::Zero };
+        let action = ActionChannel { name: "a".into(), unit: "".into(), low: -1.0, high: 3.0, slew_per_tick: 1.0, on_fault: SafeAction::Value(idle) };
         let minimal = minimal();
         let spec = ArtifactSpec {
-            contract: Contract::new(&task, &vec![observation; inputs], &vec![action; outputs], 1, 0).unwrap(),
+            contract: Contract { declared, ..Contract::new(&task, &vec![observation; inputs], &vec![action; outputs], 1, 0).unwrap() },
             provenance: Provenance { seed, dataset_return_max: return_max, ..minimal.provenance.clone() },
             policy,
             golden_obs_raw: take(2 * inputs),

@@ -1,143 +1,85 @@
-//! What the controller may expect and promise: names, units and ranges of the channels of a dataset.
+//! What a controller may expect and promise: the robot of a dataset, and the observations that a policy learned from.
 
-use firmware_sim::plants::metaworld;
-use firmware_sim::plants::toy::{self, Units};
-use ted_policy::{ActionChannel, Contract, ContractFault, ObservationChannel, SafeAction};
+use firmware_sim::robot::Sensor;
+use ted_policy::{Contract, ContractFault};
 
 use crate::dataset::Dataset;
 
-/// An observation that missed one tick may still be acted on; one that missed this many may not.
-const TOO_OLD_TICKS: u32 = 2;
-
-/// A channel may leave the dataset's range by this share of its width ...
+/// An observation may leave the range of the logs by this share of its width ...
 const RANGE_MARGIN: f32 = 0.5;
 
-/// ... and at least by this much, in the channel's unit, so that a channel that never moved can.
-const RANGE_FLOOR: f32 = 0.02;
+/// ... and at least by this many times what a channel resolves, so that a channel that never moved may tremble ...
+const RESOLUTIONS: f32 = 20.0;
 
-/// Numbers in an observation and in an action of Meta-World.
-const META_WORLD: (usize, usize) = (39, 4);
+/// ... or, where nobody declared what it resolves, by this share of its largest value.
+const TREMBLE: f32 = 1e-3;
 
-/// Owned names and ranges, from which the artefact's contract borrows.
-pub struct ContractText {
-    task: String,
-    period_us: u32,
-    observation: Vec<(String, &'static str, f32, f32)>,
-    action: Vec<(String, &'static str, SafeAction)>,
+/// The contract of a policy that was learned from this dataset: beyond the ranges of its observation the policy has never seen
+/// anything.
+///
+/// # Errors
+/// When there are more channels than the controller has room for, or a range is not finite.
+pub fn contract(dataset: &Dataset) -> Result<Contract<'_>, ContractFault> {
+    let task = dataset.task().unwrap_or("unknown");
+    dataset.robot().contract(task, &accepted(dataset))
 }
 
-impl ContractText {
-    /// Names the channels of Meta-World, numbers those of other tasks, and widens the dataset's ranges: beyond them the
-    /// policy has never seen anything.
-    #[must_use]
-    pub fn new(dataset: &Dataset) -> Self {
-        let statistics = dataset.observation_statistics();
-        let observation = statistics
-            .min
-            .iter()
-            .zip(&statistics.max)
-            .enumerate()
-            .map(|(i, (&low, &high))| {
-                let margin = (RANGE_MARGIN * (high - low)).max(RANGE_FLOOR);
-                let (name, unit) = channel_text(i, dataset.observation_dim());
-                (name, unit, low - margin, high + margin)
-            })
-            .collect();
-        let action = match (dataset.observation_dim(), dataset.action_dim()) {
-            META_WORLD => [
-                ("hand_dx", "cm", SafeAction::Zero),
-                ("hand_dy", "cm", SafeAction::Zero),
-                ("hand_dz", "cm", SafeAction::Zero),
-                // Letting go of what it holds is not safe.
-                ("gripper", "effort", SafeAction::HoldLast),
-            ]
-            .map(|(name, unit, on_fault)| (name.to_owned(), unit, on_fault))
-            .to_vec(),
-            (_, dims) => (0..dims)
-                .map(|i| (format!("action_{i}"), "", SafeAction::Zero))
-                .collect(),
-        };
-        let task = dataset.task().unwrap_or("unknown");
-        Self {
-            task: task.to_owned(),
-            period_us: match Units::of_task(task) {
-                Some(_) => toy::CONTROL_PERIOD_US,
-                None => metaworld::CONTROL_PERIOD_US,
-            },
-            observation,
-            action,
+/// The range of each observation channel that a controller accepts, in its unit.
+fn accepted(dataset: &Dataset) -> Vec<[f32; 2]> {
+    let statistics = dataset.observation_statistics();
+    let seen = statistics.min.iter().zip(&statistics.max);
+    (dataset.robot().observation.iter().zip(seen))
+        .map(|(sensor, (&low, &high))| widened(sensor, low, high))
+        .collect()
+}
+
+/// What a channel may read that read from `low` to `high` in the logs. It is never more than the channel can read at all.
+fn widened(sensor: &Sensor, low: f32, high: f32) -> [f32; 2] {
+    let tremble = match sensor.resolution {
+        Some(resolution) => RESOLUTIONS * resolution,
+        None => TREMBLE * low.abs().max(high.abs()),
+    };
+    let margin = (RANGE_MARGIN * (high - low)).max(tremble);
+    let [lowest, highest] = sensor.range.unwrap_or([f32::MIN, f32::MAX]);
+    // What the logs hold was read, whatever is declared.
+    let wide = [(low - margin).max(lowest), (high + margin).min(highest)];
+    [wide[0].min(low), wide[1].max(high)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use firmware_sim::robot::Role;
+
+    fn sensor(range: Option<[f32; 2]>, resolution: Option<f32>) -> Sensor {
+        Sensor {
+            name: "x".to_owned(),
+            unit: "m".to_owned(),
+            range,
+            resolution,
+            role: Role::None,
+            guessed: Vec::new(),
         }
     }
 
-    /// The contract.
-    ///
-    /// # Errors
-    /// When there are more channels than the controller has room for, or a range is not finite.
-    pub fn contract(&self) -> Result<Contract<'_>, ContractFault> {
-        let observation: Vec<_> = self
-            .observation
-            .iter()
-            .map(|(name, unit, low, high)| ObservationChannel {
-                name: name.as_str().into(),
-                unit: (*unit).into(),
-                low: *low,
-                high: *high,
-            })
-            .collect();
-        // A policy trained without a slew limit flies without one: the full range in one tick.
-        let action: Vec<_> = self
-            .action
-            .iter()
-            .map(|(name, unit, on_fault)| ActionChannel {
-                name: name.as_str().into(),
-                unit: (*unit).into(),
-                low: -1.0,
-                high: 1.0,
-                slew_per_tick: 2.0,
-                on_fault: *on_fault,
-            })
-            .collect();
-        Contract::new(
-            &self.task,
-            &observation,
-            &action,
-            self.period_us,
-            TOO_OLD_TICKS * self.period_us,
-        )
+    #[test]
+    fn what_was_seen_may_be_left_by_half_its_width() {
+        let [low, high] = widened(&sensor(None, None), 1.0, 3.0);
+        assert_eq!([low, high], [0.0, 4.0]);
     }
-}
 
-/// Name and unit of an observation channel. Meta-World's 39: 18 of now, 18 of the tick before, and the goal.
-#[must_use]
-pub fn channel_text(index: usize, dims: usize) -> (String, &'static str) {
-    const FRAME: [(&str, &str); 18] = [
-        ("hand_x", "m"),
-        ("hand_y", "m"),
-        ("hand_z", "m"),
-        ("gripper_opening", "1"),
-        ("object1_x", "m"),
-        ("object1_y", "m"),
-        ("object1_z", "m"),
-        ("object1_qx", "1"),
-        ("object1_qy", "1"),
-        ("object1_qz", "1"),
-        ("object1_qw", "1"),
-        ("object2_x", "m"),
-        ("object2_y", "m"),
-        ("object2_z", "m"),
-        ("object2_qx", "1"),
-        ("object2_qy", "1"),
-        ("object2_qz", "1"),
-        ("object2_qw", "1"),
-    ];
-    const GOAL: [&str; 3] = ["goal_x", "goal_y", "goal_z"];
-    match (dims, index) {
-        (39, 0..18) => (FRAME[index].0.to_owned(), FRAME[index].1),
-        (39, 18..36) => (
-            format!("previous_{}", FRAME[index - 18].0),
-            FRAME[index - 18].1,
-        ),
-        (39, 36..39) => (GOAL[index - 36].to_owned(), "m"),
-        _ => (format!("observation_{index}"), ""),
+    #[test]
+    fn a_channel_that_never_moved_may_tremble_as_far_as_it_resolves() {
+        let [low, high] = widened(&sensor(None, Some(0.001)), 0.0, 0.0);
+        assert_eq!([low, high], [-0.02, 0.02]);
+        let [low, high] = widened(&sensor(None, None), 5e-6, 5e-6);
+        assert!(low > 4.9e-6 && high < 5.1e-6 && low < high, "{low} {high}");
+    }
+
+    #[test]
+    fn nothing_is_accepted_that_a_channel_cannot_read_but_what_it_did_read() {
+        let unit = Some([0.0, 1.0]);
+        assert_eq!(widened(&sensor(unit, None), 0.25, 0.75), [0.0, 1.0]);
+        assert_eq!(widened(&sensor(unit, None), 0.25, 1.5), [0.0, 1.5]);
     }
 }

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ContractFault, LoadError};
 
 use crate::algorithm::oppo::{Oppo, SequencePilot};
-use crate::contract::ContractText;
+use crate::contract::contract;
 use crate::dataset::Dataset;
 use crate::run::{EVALUATION, RunFolder};
 
@@ -171,8 +171,7 @@ pub fn evaluate(
             fly_all(pilot, &origin, numeric, task, plan, audience)
         }
         Flyer::Sequence(oppo, dataset) => {
-            let text = ContractText::new(dataset);
-            let contract = text.contract().map_err(EvaluateError::Contract)?;
+            let contract = contract(dataset).map_err(EvaluateError::Contract)?;
             let origin = Origin {
                 task: contract.task,
                 return_mean: dataset.mean_return_true(),

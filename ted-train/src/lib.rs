@@ -28,6 +28,7 @@ pub mod replay;
 pub mod report;
 pub mod reward;
 pub mod rng;
+pub mod robot;
 pub mod run;
 pub mod statistics;
 pub mod study;

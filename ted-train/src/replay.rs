@@ -117,7 +117,7 @@ fn recording(dataset: &Dataset, episode: &Episode, seed: u64) -> Recording {
     Recording {
         seed,
         observations: dataset.observations()[rows].to_vec(),
-        actions: dataset.actions()[steps.start * action..steps.end * action].to_vec(),
+        actions: dataset.actions_env()[steps.start * action..steps.end * action].to_vec(),
         rewards: dataset.rewards_true()[steps.clone()]
             .iter()
             .map(|&reward| f64::from(reward))

@@ -9,6 +9,7 @@
 //! ```
 
 use firmware_sim::bridge::environment::interpreter;
+use firmware_sim::robot::Robot;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -41,7 +42,8 @@ fn the_real_package_opens_what_is_written_and_sees_every_array_to_the_bit() {
         reward: "v2".into(),
         engine: [("metaworld".to_string(), "3.1.1".to_string())].into(),
     };
-    let writer = DatasetWriter::open(root.path(), id.clone(), origin, SHAPE).unwrap();
+    let robot = Robot::draft(SHAPE.observation, &[[-1.0, 1.0]; SHAPE.action]);
+    let writer = DatasetWriter::open(root.path(), id.clone(), origin, robot).unwrap();
     for (index, record) in records.iter().enumerate() {
         let behaviour = Behaviour {
             part: "noisy".into(),

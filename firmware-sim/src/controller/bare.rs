@@ -43,8 +43,8 @@ impl<'a> BareController<'a> {
         workspace: &mut Workspace,
     ) -> (Action, Status) {
         let policy = &self.policy;
-        self.guard.tick(now_us, frame, |obs_raw, action_env| {
-            policy.act(obs_raw, workspace, action_env)
+        self.guard.tick(now_us, frame, |obs_raw, action_unit| {
+            policy.act(obs_raw, workspace, action_unit)
         })
     }
 

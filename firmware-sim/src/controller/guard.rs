@@ -55,7 +55,8 @@ impl Guard {
         }
     }
 
-    /// One control period: judges the observation, lets `act` fill in an action for it, judges that.
+    /// One control period: judges the observation, lets `act` fill in an action for it, in [-1, 1], judges that, and sends it in the
+    /// robot's units.
     ///
     /// There is always an action. With a fault latched it is the safe one, and nobody is asked.
     #[inline]

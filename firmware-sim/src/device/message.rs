@@ -246,6 +246,8 @@ pub enum Refusal {
     OtherShape,
     /// The link cannot say that nothing comes, so its silence would never be noticed.
     CannotWatch,
+    /// Nobody declared the robot of the artefact, so its units, ranges, times and safe actions mean nothing.
+    Undeclared,
 }
 
 impl Refusal {
@@ -267,6 +269,7 @@ impl Refusal {
             Self::CannotScore => 12,
             Self::OtherShape => 13,
             Self::CannotWatch => 14,
+            Self::Undeclared => 15,
         }
     }
 }

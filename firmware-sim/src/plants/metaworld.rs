@@ -5,9 +5,13 @@ use std::rc::Rc;
 
 use crate::bridge::{BridgeError, Environment, Move, Shape, State, Step, Worker};
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
+use crate::robot::Robot;
 
-/// Simulated time of one step: Meta-World makes 80 of them per second.
-pub const CONTROL_PERIOD_US: u32 = 12_500;
+/// The robot of all its tasks.
+#[must_use]
+pub fn robot() -> Robot {
+    Robot::parse(include_str!("../../metaworld-bridge/robot.toml")).expect("a test reads it")
+}
 
 /// One Meta-World task, simulated by a worker process that ends with the last of the plants made with this one.
 #[derive(Debug)]
@@ -15,6 +19,8 @@ pub struct MetaWorldPlant {
     shared: Rc<RefCell<Shared>>,
     slot: u16,
     shape: Shape,
+    /// Simulated time of one step.
+    period_us: u32,
     /// The latest step of the running episode.
     latest: Step,
     /// Steps since the last reset, if there was one.
@@ -52,6 +58,7 @@ impl MetaWorldPlant {
             shared: Rc::clone(shared),
             slot,
             shape,
+            period_us: robot().period_us,
             latest: Step::default(),
             steps: None,
             running: false,
@@ -98,7 +105,7 @@ impl Plant for MetaWorldPlant {
     }
 
     fn now_us(&self) -> u64 {
-        u64::from(self.steps.unwrap_or(0)) * u64::from(CONTROL_PERIOD_US)
+        u64::from(self.steps.unwrap_or(0)) * u64::from(self.period_us)
     }
 
     fn observe(&mut self) -> Result<Observed, PlantError> {

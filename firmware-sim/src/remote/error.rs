@@ -88,6 +88,7 @@ impl RemoteError {
                 | Refusal::Checksum { .. }
                 | Refusal::Defect { .. }
                 | Refusal::OtherContract
+                | Refusal::Undeclared
                 | Refusal::CannotScore
                 | Refusal::OtherShape => ExitCode::BadInput,
                 Refusal::Malformed

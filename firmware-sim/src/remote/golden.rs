@@ -295,6 +295,7 @@ fn codes_are_the_numbers_on_the_wire_plus_one() {
         Refusal::CannotScore,
         Refusal::OtherShape,
         Refusal::CannotWatch,
+        Refusal::Undeclared,
     ];
     for refusal in refusals {
         let wire = postcard::to_allocvec(&refusal).expect("it fits");

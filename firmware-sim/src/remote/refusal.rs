@@ -38,6 +38,10 @@ impl fmt::Display for Refusal {
             Self::OtherShape => {
                 f.write_str("an observation or an action has another length than the contract says")
             }
+            Self::Undeclared => f.write_str(
+                "its robot is undeclared: write down channels, units, ranges, times and safe actions (`ted robot draft DATASET`), \
+                 declare it for the dataset (`ted robot declare`), and export the run again (`ted export`)",
+            ),
             Self::CannotWatch => f.write_str(
                 "its link cannot notice a silence: use a serial port, or fly in lockstep with a silence of 0",
             ),

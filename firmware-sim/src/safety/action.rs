@@ -2,11 +2,11 @@
 
 use heapless::Vec;
 use ted_core::MAX_ACTION;
-use ted_policy::{ActionChannel, SafeAction};
+use ted_policy::{ActionChannel, ActionMap, SafeAction};
 
 use super::Fault;
 
-/// One value per action channel of the contract, in its units.
+/// One value per action channel of the contract, in its unit.
 pub type Action = Vec<f32, MAX_ACTION>;
 
 /// An action that may go out, and what had to be done to it.
@@ -33,11 +33,12 @@ struct Limit {
     high: f32,
     slew_per_tick: f32,
     on_fault: SafeAction,
+    map: ActionMap,
 }
 
 impl ActionGuard {
-    /// A guard for a contract's channels, with the plant at rest: zero, or the end of the range nearest to it, counts as the
-    /// last action sent.
+    /// A guard for a contract's channels, with the plant at rest: what is sent on a fault counts as the last action sent, for a
+    /// channel that holds zero, or the end of the range nearest to it.
     #[must_use]
     pub fn new<'c>(channels: impl Iterator<Item = ActionChannel<'c>>) -> Self {
         let (mut limits, mut last_sent) = (Vec::new(), Vec::new());
@@ -55,17 +56,17 @@ impl ActionGuard {
         self.limits.len()
     }
 
-    /// The nearest action to the wanted one that may go out.
+    /// What the policy wants, in [-1, 1], as the nearest action that may go out.
     ///
     /// # Errors
     /// When a wanted value is not finite; nothing is sent then.
-    pub fn send(&mut self, action_env: &[f32]) -> Result<Sent, Fault> {
-        if let Some(index) = action_env.iter().position(|value| !value.is_finite()) {
+    pub fn send(&mut self, action_unit: &[f32]) -> Result<Sent, Fault> {
+        if let Some(index) = action_unit.iter().position(|value| !value.is_finite()) {
             return Err(Fault::ActionNotFinite { index });
         }
         let (mut clamped, mut slew_limited) = (false, false);
-        for ((last, limit), &wanted) in self.last_sent.iter_mut().zip(&self.limits).zip(action_env)
-        {
+        for ((last, limit), &unit) in self.last_sent.iter_mut().zip(&self.limits).zip(action_unit) {
+            let wanted = limit.map.robot(unit);
             let inside = limit.clamp(wanted);
             let reached = limit.slew(*last, inside);
             clamped |= inside != wanted;
@@ -79,12 +80,12 @@ impl ActionGuard {
         })
     }
 
-    /// The action that keeps the plant where it is: every channel at zero, or as it was last sent.
+    /// The action that stops the plant: every channel at zero, at the value that the contract says, or as it was last sent.
     ///
     /// It stops at once: the slew limit protects against a jumping policy and is not applied to stopping.
     pub fn send_safe(&mut self) -> Action {
         for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
-            if limit.on_fault == SafeAction::Zero {
+            if limit.on_fault != SafeAction::HoldLast {
                 *last = limit.rest();
             }
         }
@@ -113,12 +114,16 @@ impl Limit {
             high,
             slew_per_tick,
             on_fault,
+            map: channel.map(),
         }
     }
 
-    /// Zero, or the end of the range nearest to it.
+    /// What the contract says for a fault. Nothing was sent yet that could be held: zero, or the end of the range nearest to it.
     fn rest(&self) -> f32 {
-        self.clamp(0.0)
+        match self.on_fault {
+            SafeAction::Zero | SafeAction::HoldLast => self.clamp(0.0),
+            SafeAction::Value(value) => value,
+        }
     }
 
     /// Written out because `f32::clamp` panics on a range in disorder.

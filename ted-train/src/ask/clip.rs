@@ -45,7 +45,7 @@ impl Picture {
         let stride = rows.len().div_ceil(FRAMES).max(1);
         let shown = || rows.iter().step_by(stride);
         let places = channels.positions.iter().map(|position| Place {
-            name: position.name,
+            name: position.name.clone(),
             mark: position.mark,
             path: shown()
                 .map(|(seen, _)| {
@@ -57,12 +57,12 @@ impl Picture {
         });
         let plots = channels.plots.iter().map(|(channel, name, unit)| Track {
             name: name.clone(),
-            unit,
+            unit: unit.clone(),
             values: shown().map(|(seen, _)| seen[*channel]).collect(),
         });
         let actions = channels.actions.iter().enumerate().map(|(i, name)| Track {
             name: name.clone(),
-            unit: "",
+            unit: String::new(),
             values: shown().map(|(_, done)| done[i]).collect(),
         });
         Self {
@@ -88,7 +88,7 @@ impl Picture {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Place {
     /// What is there.
-    pub name: &'static str,
+    pub name: String,
     /// How it is drawn.
     pub mark: Mark,
     /// Where it is.
@@ -101,7 +101,7 @@ pub struct Track {
     /// What it is called.
     pub name: String,
     /// Its unit; empty where nobody knows.
-    pub unit: &'static str,
+    pub unit: String,
     /// A value for each frame.
     pub values: Vec<f32>,
 }

@@ -231,7 +231,7 @@ fn tracks(picture: &Picture) -> Vec<Track> {
             .enumerate()
             .map(|(axis, name)| Track {
                 name: format!("{} {name}", place.name),
-                unit: "",
+                unit: String::new(),
                 values: place.path.iter().map(|at| at[axis]).collect(),
             })
     });

@@ -21,6 +21,7 @@ use crate::replay::ReplayDatasetError;
 use crate::report::ReportError;
 use crate::reward::LearnError;
 use crate::reward::transport::TransportError;
+use crate::robot::DeclareError;
 use crate::run::RunError;
 use crate::study::answers::MergeError;
 use crate::study::cells::CellsError;
@@ -28,6 +29,7 @@ use crate::study::fill::StudyError;
 use crate::study::slurm::SlurmError;
 use crate::train::TrainError;
 use firmware_sim::disk::WriteError;
+use firmware_sim::robot::RobotError;
 
 /// An error that knows how a command ends because of it.
 pub(super) trait Ends: std::fmt::Display {
@@ -60,6 +62,21 @@ impl Ends for ConfigError {
 impl Ends for DatasetError {
     fn exit_code(&self) -> ExitCode {
         ExitCode::BadInput
+    }
+}
+
+impl Ends for RobotError {
+    fn exit_code(&self) -> ExitCode {
+        ExitCode::BadInput
+    }
+}
+
+impl Ends for DeclareError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Dataset(_) | Self::Guesses { .. } => ExitCode::BadInput,
+            Self::Write(error) => error.exit_code(),
+        }
     }
 }
 

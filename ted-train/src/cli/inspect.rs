@@ -118,10 +118,13 @@ fn artefact_text(artefact: &ArtefactText) -> String {
             artefact.crc32
         ),
         format!("task             {}", artefact.contract.task),
-        format!(
-            "control period   {} us, observations at most {} us old",
-            artefact.contract.control_period_us, artefact.contract.max_observation_age_us
-        ),
+        match artefact.contract.declared {
+            true => format!(
+                "control period   {} us, observations at most {} us old",
+                artefact.contract.control_period_us, artefact.contract.max_observation_age_us
+            ),
+            false => "robot            undeclared: no device flies this; `ted robot draft DATASET` is the way out".to_owned(),
+        },
         format!("golden vectors   {}: {golden}", artefact.golden.cases),
         String::new(),
         format!(
@@ -257,10 +260,11 @@ fn action_table(artefact: &ArtefactText) -> String {
         ];
         cells.extend(numbers.map(|number| format!("{number}")));
         let on_fault = match channel.on_fault {
-            SafeAction::Zero => "zero",
-            SafeAction::HoldLast => "hold the last",
+            SafeAction::Zero => "zero".to_owned(),
+            SafeAction::HoldLast => "hold the last".to_owned(),
+            SafeAction::Value(value) => value.to_string(),
         };
-        cells.push(on_fault.to_owned());
+        cells.push(on_fault);
         table.row(cells);
     }
     table.text()

@@ -16,6 +16,7 @@ mod locate;
 mod presets;
 mod quickstart;
 mod report;
+mod robot;
 mod run_report;
 mod seeds;
 mod study;
@@ -63,6 +64,7 @@ enum Command {
     Inspect(inspect::InspectArgs),
     Crosscheck(crosscheck::CrosscheckArgs),
     Report(report::ReportArgs),
+    Robot(robot::RobotArgs),
     Bench(bench::BenchArgs),
     Study(study::StudyArgs),
 }
@@ -89,6 +91,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Robot(args) => robot::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Study(args) => study::run(&args),
     });

@@ -17,7 +17,6 @@ pub use report::{CollectReport, PartReport};
 pub use source::{BridgeSource, EpisodeSource};
 pub use toy::ToySource;
 
-use crate::dataset::Shape;
 use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin};
 use firmware_sim::bridge::{Engine, Environment, environment};
 use firmware_sim::interrupt;
@@ -30,11 +29,6 @@ use std::path::PathBuf;
 pub const EPISODE_STEPS: u32 = 500;
 /// The namespace of collected datasets.
 pub const NAMESPACE: &str = "ted";
-/// Widths of a Meta-World observation and action.
-const SHAPE: Shape = Shape {
-    observation: 39,
-    action: 4,
-};
 
 /// What to collect, and where to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -145,7 +139,7 @@ pub fn run_on(
     let plan = Plan::new(config)?;
     let total = plan.total;
     let origin = plan.origin(&source.versions()?);
-    let writer = DatasetWriter::open(&config.root, plan.id.clone(), origin, plan.shape())?;
+    let writer = DatasetWriter::open(&config.root, plan.id.clone(), origin, plan.robot())?;
 
     let mut notes: Vec<Option<EpisodeNote>> = (0..total)
         .map(|i| writer.kept(i, plan.seed(i), &plan.behaviour(i)))

@@ -1,12 +1,13 @@
 //! What a configuration comes to: which episodes, under which name. Whoever has a plan has numbers that make sense.
 
 use super::recipe::Played;
-use super::{CollectConfig, CollectError, EPISODE_STEPS, NAMESPACE, Recipe, SHAPE};
-use crate::dataset::Shape;
+use super::{CollectConfig, CollectError, EPISODE_STEPS, NAMESPACE, Recipe};
 use crate::dataset::minari::{Behaviour, DatasetId, Origin};
 use crate::rng::Seed;
 use firmware_sim::bridge::EpisodeJob;
+use firmware_sim::plants::metaworld;
 use firmware_sim::plants::toy::{self, Units};
+use firmware_sim::robot::Robot;
 use firmware_sim::tasks;
 use std::path::PathBuf;
 
@@ -70,11 +71,9 @@ impl<'a> Plan<'a> {
         })
     }
 
-    pub fn shape(&self) -> Shape {
-        match self.toy {
-            Some(_) => super::toy::SHAPE,
-            None => SHAPE,
-        }
+    /// The robot that is recorded.
+    pub fn robot(&self) -> Robot {
+        self.toy.map_or_else(metaworld::robot, Units::robot)
     }
 
     pub fn folder(&self) -> PathBuf {

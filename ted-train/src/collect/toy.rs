@@ -5,7 +5,6 @@
 
 use super::source::OnEpisode;
 use super::{CollectConfig, EpisodeSource};
-use crate::dataset::Shape;
 use crate::rng::{Seed, standard_normal};
 use firmware_sim::bridge::{BridgeError, Episode, EpisodeJob, Shape as BridgeShape};
 use firmware_sim::interrupt;
@@ -13,11 +12,6 @@ use firmware_sim::plant::{Plant, PlantError};
 use firmware_sim::plants::toy::{ACTION_DIM, EPISODE_STEPS, OBSERVATION_DIM, ToyPlant, Units};
 use rand::RngExt;
 
-/// Widths of the toy's observation and action.
-pub(super) const SHAPE: Shape = Shape {
-    observation: OBSERVATION_DIM,
-    action: ACTION_DIM,
-};
 /// A full action moves by a twentieth, so that whatever is nearer is reached in one step.
 const GAIN: f32 = 20.0;
 

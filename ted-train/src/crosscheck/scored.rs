@@ -20,7 +20,7 @@ pub(super) fn classes(
     let score = |(number, episode): (usize, &Episode)| {
         let mut scorer = scorer.clone();
         for step in episode.first_step..episode.first_step + episode.len {
-            scorer.push(dataset.observation(step), dataset.action(step))?;
+            scorer.push(dataset.observation(step), dataset.action_env(step))?;
         }
         Ok(scorer.class(u32::try_from(number).unwrap_or(NEW_EPISODE)))
     };

@@ -4,7 +4,9 @@ use super::digest::{EpisodeArrays, combine};
 use super::in_memory::{Dataset, Episode};
 use super::record::check_values;
 use super::{DatasetError, EpisodeRecord, Shape};
+use firmware_sim::robot::Robot;
 use rayon::prelude::*;
+use ted_policy::ActionMap;
 
 /// Where one episode's arrays go.
 pub(super) struct EpisodeSlots<'a> {
@@ -22,13 +24,15 @@ pub(super) struct Filled {
     pub rewards: Vec<f64>,
 }
 
-/// Builds a dataset of episodes with these lengths; `fill` must fill every slot of the episode it is asked for.
+/// Builds a dataset of episodes of this robot with these lengths; `fill` must fill every slot of the episode it is asked for, actions
+/// as recorded.
 pub(super) fn assemble(
     id: &str,
-    shape: Shape,
+    robot: Robot,
     lengths: &[usize],
     fill: impl Fn(usize, &mut EpisodeSlots) -> Result<Filled, DatasetError> + Sync,
 ) -> Result<Dataset, DatasetError> {
+    let shape = Shape::of(&robot);
     if lengths.is_empty() {
         return Err(DatasetError::NoEpisodes { id: id.into() });
     }
@@ -73,7 +77,7 @@ pub(super) fn assemble(
         .enumerate()
         .map(|(episode, (mut slots, rewards_f32))| {
             let filled = fill(episode, &mut slots)?;
-            finish(shape, &slots, &filled, rewards_f32)
+            finish(&robot, &slots, &filled, rewards_f32)
         })
         .collect();
 
@@ -90,15 +94,18 @@ pub(super) fn assemble(
         episodes.push(episode);
         hashes.push(hash);
     }
+    let (actions, actions_env) = in_unit(&robot, actions);
     Ok(Dataset {
         id: id.into(),
         origin: None,
-        digest: combine(shape, &hashes),
+        digest: combine(&robot, &hashes),
+        robot,
         shape,
         episodes,
         row_of_step,
         observations,
         actions,
+        actions_env,
         rewards_true,
         terminations,
         truncations,
@@ -106,18 +113,36 @@ pub(super) fn assemble(
     })
 }
 
+/// Recorded actions as a policy sees them, and as they were recorded where that is not the same.
+fn in_unit(robot: &Robot, mut actions: Vec<f32>) -> (Vec<f32>, Option<Vec<f32>>) {
+    if robot.action.iter().all(|it| it.range == UNIT) {
+        return (actions, None);
+    }
+    let recorded = actions.clone();
+    let maps: Vec<ActionMap> = robot.action_maps().collect();
+    for row in actions.chunks_exact_mut(maps.len()) {
+        for (value, map) in row.iter_mut().zip(&maps) {
+            *value = map.unit(*value);
+        }
+    }
+    (actions, Some(recorded))
+}
+
+/// The range in which policies give actions.
+pub(super) const UNIT: [f32; 2] = [-1.0, 1.0];
+
 /// Builds a dataset from episodes in memory.
 pub(super) fn from_records(
     id: &str,
-    shape: Shape,
+    robot: Robot,
     records: &[EpisodeRecord],
 ) -> Result<Dataset, DatasetError> {
     let place = |episode| format!("episode {episode}");
     for (episode, record) in records.iter().enumerate() {
-        record.check(shape, &place(episode))?;
+        record.check(&robot, &place(episode))?;
     }
     let lengths: Vec<_> = records.iter().map(EpisodeRecord::steps).collect();
-    assemble(id, shape, &lengths, |episode, slots| {
+    assemble(id, robot, &lengths, |episode, slots| {
         let record = &records[episode];
         slots.observations.copy_from_slice(&record.observations);
         slots.actions.copy_from_slice(&record.actions);
@@ -134,7 +159,7 @@ pub(super) fn from_records(
 
 /// Checks a filled episode, hashes it and narrows its rewards.
 fn finish(
-    shape: Shape,
+    robot: &Robot,
     slots: &EpisodeSlots,
     filled: &Filled,
     rewards_f32: &mut [f32],
@@ -143,7 +168,7 @@ fn finish(
         *narrow = reward as f32;
     }
     let (observations, actions) = (&*slots.observations, &*slots.actions);
-    check_values(&filled.place, shape, observations, actions, rewards_f32)?;
+    check_values(&filled.place, robot, observations, actions, rewards_f32)?;
     let hash = EpisodeArrays {
         observations: slots.observations,
         actions: slots.actions,

@@ -3,7 +3,9 @@
 //! Each episode is hashed alone, so that the work is parallel; the dataset's digest is the hash of the episodes' hashes in
 //! order. Floats enter as their little-endian bytes, rewards in double precision, flags as one byte each.
 
-use super::Shape;
+use firmware_sim::robot::Robot;
+
+use super::assemble::UNIT;
 
 #[cfg(target_endian = "big")]
 compile_error!("the dataset digest and the Arrow files are little-endian; this host is not");
@@ -37,11 +39,17 @@ impl EpisodeArrays<'_> {
 }
 
 /// The digest of a dataset, in hexadecimal.
-pub(super) fn combine(shape: Shape, episodes: &[blake3::Hash]) -> String {
+pub(super) fn combine(robot: &Robot, episodes: &[blake3::Hash]) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(DOMAIN);
-    for width in [shape.observation, shape.action, episodes.len()] {
+    for width in [robot.observation.len(), robot.action.len(), episodes.len()] {
         hasher.update(&(width as u64).to_le_bytes());
+    }
+    // What is learned from depends on the ranges that recorded actions are seen in.
+    if robot.action.iter().any(|it| it.range != UNIT) {
+        for range in robot.action.iter().map(|it| it.range) {
+            hasher.update(bytemuck::cast_slice(&range));
+        }
     }
     for episode in episodes {
         hasher.update(episode.as_bytes());

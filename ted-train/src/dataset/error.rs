@@ -1,5 +1,7 @@
 //! Everything that can be wrong with a dataset, each as what, where, and the way out.
 
+use super::Shape;
+use firmware_sim::robot::{Robot, RobotError};
 use std::io;
 use std::path::PathBuf;
 
@@ -123,20 +125,42 @@ pub enum DatasetError {
         /// The value as it prints.
         value: f64,
     },
-    /// An action outside [-1, 1].
+    /// An action outside its range.
     #[error(
-        "actions of {place} holds {value} at row {row}, column {column}; a policy sends actions in [-1, 1], so scale them to \
-         that range before they are recorded"
+        "actions of {place} holds {value} at row {row}, channel {channel}, whose range is [{}, {}]; declare what the robot may be sent: \
+         `ted robot draft DATASET` writes its file, `ted robot declare` puts it into the dataset", range[0], range[1]
     )]
     ActionRange {
         /// The file or episode.
         place: String,
         /// Step inside the episode.
         row: usize,
-        /// Which number of the action.
-        column: usize,
+        /// Which channel of the action.
+        channel: String,
         /// The value.
         value: f32,
+        /// The channel's range.
+        range: [f32; 2],
+        /// The robot that says so.
+        robot: Box<Robot>,
+    },
+    /// The robot's file in the dataset's folder.
+    #[error("{0}")]
+    Robot(#[from] RobotError),
+    /// A robot of other widths than the dataset's.
+    #[error(
+        "the robot {robot:?} has {} observation and {} action channels, and {path} has {} and {}: it is not the robot that was recorded, \
+         or its file lacks a channel", declared.observation, declared.action, recorded.observation, recorded.action
+    )]
+    OtherRobot {
+        /// The robot's name.
+        robot: String,
+        /// The dataset's folder of arrays.
+        path: PathBuf,
+        /// The robot's widths.
+        declared: Shape,
+        /// The dataset's.
+        recorded: Shape,
     },
     /// An episode without a single step.
     #[error("{place} has no steps; leave the episode out of the dataset")]

@@ -2,6 +2,7 @@
 
 use super::minari::Origin;
 use super::{DatasetError, EpisodeRecord, ObservationStatistics, Shape, assemble};
+use firmware_sim::robot::Robot;
 use std::path::Path;
 
 /// One episode's place in the arrays, and what it came to.
@@ -20,17 +21,21 @@ pub struct Episode {
 }
 
 /// An offline dataset, immutable once built: its existence says that shapes agree, that every number is finite, and that
-/// actions lie in [-1, 1].
+/// actions lie in the ranges of its robot.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     pub(super) id: String,
     pub(super) origin: Option<Origin>,
     pub(super) digest: String,
+    pub(super) robot: Robot,
     pub(super) shape: Shape,
     pub(super) episodes: Vec<Episode>,
     pub(super) row_of_step: Vec<u32>,
     pub(super) observations: Vec<f32>,
+    /// In [-1, 1].
     pub(super) actions: Vec<f32>,
+    /// As recorded, where that is not the same.
+    pub(super) actions_env: Option<Vec<f32>>,
     pub(super) rewards_true: Vec<f32>,
     pub(super) terminations: Vec<bool>,
     pub(super) truncations: Vec<bool>,
@@ -40,16 +45,31 @@ pub struct Dataset {
 impl Dataset {
     /// Reads the Minari dataset at `path`: its own folder (`.../name-v0`) or the `data` folder inside it.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, DatasetError> {
-        super::minari::read(path.as_ref())
+        super::minari::read(path.as_ref(), None)
     }
 
-    /// Builds a dataset from episodes in memory.
+    /// Reads the dataset at `path` as one of this robot, whatever it says itself.
+    pub fn open_as(path: impl AsRef<Path>, robot: Robot) -> Result<Self, DatasetError> {
+        super::minari::read(path.as_ref(), Some(robot))
+    }
+
+    /// Builds a dataset from episodes in memory, of a robot that nobody declared and whose actions lie in [-1, 1].
     pub fn from_records(
         id: &str,
         shape: Shape,
         records: &[EpisodeRecord],
     ) -> Result<Self, DatasetError> {
-        assemble::from_records(id, shape, records)
+        let robot = Robot::draft(shape.observation, &vec![[-1.0, 1.0]; shape.action]);
+        Self::of_robot(id, robot, records)
+    }
+
+    /// Builds a dataset from episodes of this robot in memory.
+    pub fn of_robot(
+        id: &str,
+        robot: Robot,
+        records: &[EpisodeRecord],
+    ) -> Result<Self, DatasetError> {
+        assemble::from_records(id, robot, records)
     }
 
     /// `namespace/name-vN`.
@@ -75,6 +95,12 @@ impl Dataset {
     #[must_use]
     pub fn origin(&self) -> Option<&Origin> {
         self.origin.as_ref()
+    }
+
+    /// The robot that was recorded, declared or not.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
     }
 
     /// The episodes in recorded order.
@@ -133,7 +159,7 @@ impl Dataset {
         )
     }
 
-    /// The action of `step`.
+    /// The action of `step`, in [-1, 1].
     #[must_use]
     pub fn action(&self, step: usize) -> &[f32] {
         row(&self.actions, step, self.shape.action)
@@ -145,10 +171,22 @@ impl Dataset {
         &self.observations
     }
 
-    /// All actions, `steps x action_dim`, row-major.
+    /// All actions, in [-1, 1], `steps x action_dim`, row-major.
     #[must_use]
     pub fn actions(&self) -> &[f32] {
         &self.actions
+    }
+
+    /// The action of `step` as it was recorded, in the robot's units.
+    #[must_use]
+    pub fn action_env(&self, step: usize) -> &[f32] {
+        row(self.actions_env(), step, self.shape.action)
+    }
+
+    /// All actions as they were recorded, in the robot's units, `steps x action_dim`, row-major.
+    #[must_use]
+    pub fn actions_env(&self) -> &[f32] {
+        self.actions_env.as_ref().unwrap_or(&self.actions)
     }
 
     /// The true reward of every step.

@@ -1,5 +1,7 @@
 //! One recorded episode as owned arrays: what a collector hands to the writer and a test hands to [`super::Dataset`].
 
+use firmware_sim::robot::Robot;
+
 use super::DatasetError;
 
 /// Widths of one observation row and one action row.
@@ -9,6 +11,17 @@ pub struct Shape {
     pub observation: usize,
     /// Numbers in one action.
     pub action: usize,
+}
+
+impl Shape {
+    /// Those of a robot's numbers.
+    #[must_use]
+    pub fn of(robot: &Robot) -> Self {
+        Self {
+            observation: robot.observation.len(),
+            action: robot.action.len(),
+        }
+    }
 }
 
 /// An episode of `T` steps: `T + 1` observations, `T` of everything else.
@@ -62,9 +75,10 @@ impl EpisodeRecord {
         self.success.iter().any(|&solved| solved)
     }
 
-    /// Checks that every array has the length the episode and `shape` ask for and that what is learned from is finite; `place`
-    /// names the episode in the error.
-    pub fn check(&self, shape: Shape, place: &str) -> Result<(), DatasetError> {
+    /// Checks that every array has the length the episode and the robot ask for, that what is learned from is finite, and that actions
+    /// lie in their ranges; `place` names the episode in the error.
+    pub fn check(&self, robot: &Robot, place: &str) -> Result<(), DatasetError> {
+        let shape = Shape::of(robot);
         let steps = self.steps();
         if steps == 0 {
             return Err(DatasetError::EmptyEpisode {
@@ -98,18 +112,19 @@ impl EpisodeRecord {
             }
         }
         let rewards: Vec<f32> = self.rewards.iter().map(|&reward| reward as f32).collect();
-        check_values(place, shape, &self.observations, &self.actions, &rewards)
+        check_values(place, robot, &self.observations, &self.actions, &rewards)
     }
 }
 
-/// Refuses what nothing can be learned from: a NaN or an infinity, and an action outside [-1, 1]. The arrays are row-major.
+/// Refuses what nothing can be learned from: a NaN or an infinity, and an action outside its range. The arrays are row-major.
 pub(super) fn check_values(
     place: &str,
-    shape: Shape,
+    robot: &Robot,
     observations: &[f32],
     actions: &[f32],
     rewards: &[f32],
 ) -> Result<(), DatasetError> {
+    let shape = Shape::of(robot);
     for (array, width, values) in [
         ("observations", shape.observation, observations),
         ("actions", shape.action, actions),
@@ -125,13 +140,20 @@ pub(super) fn check_values(
             });
         }
     }
-    match actions.iter().position(|action| action.abs() > 1.0) {
-        None => Ok(()),
-        Some(index) => Err(DatasetError::ActionRange {
-            place: place.into(),
-            row: index / shape.action,
-            column: index % shape.action,
-            value: actions[index],
-        }),
+    for (row, values) in actions.chunks_exact(shape.action).enumerate() {
+        for (actuator, &value) in robot.action.iter().zip(values) {
+            let [low, high] = actuator.range;
+            if !(low..=high).contains(&value) {
+                return Err(DatasetError::ActionRange {
+                    place: place.into(),
+                    row,
+                    channel: actuator.name.clone(),
+                    value,
+                    range: actuator.range,
+                    robot: Box::new(robot.clone()),
+                });
+            }
+        }
     }
+    Ok(())
 }

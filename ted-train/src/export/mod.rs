@@ -5,7 +5,7 @@ use ted_core::integer::IntegerError;
 use ted_core::{DiscountClass, Normaliser, Policy, RewardRange, ShapeError, TedDiscount};
 use ted_policy::{ArtifactSpec, Digest, Provenance, WriteError};
 
-use crate::contract::ContractText;
+use crate::contract::contract;
 use crate::dataset::Dataset;
 use crate::nn::ExportedMlp;
 use crate::quantise::{Originals, QuantisationReport, QuantisedNetworks};
@@ -94,8 +94,7 @@ impl Exported {
 /// # Errors
 /// When the controller could not run it, or a weight is not finite.
 pub fn artefact(export: &Export<'_>) -> Result<Exported, ExportError> {
-    let text = ContractText::new(export.dataset);
-    let contract = text.contract()?;
+    let contract = contract(export.dataset)?;
     let policy = Policy::new(
         Normaliser::new(export.shift, export.scale)?,
         export.actor.view()?,

@@ -56,6 +56,8 @@ pub struct ContractText {
     pub control_period_us: u32,
     /// Oldest observation that is acted on.
     pub max_observation_age_us: u32,
+    /// Whether somebody declared the robot: otherwise names, units and times stand for nothing.
+    pub declared: bool,
     /// The raw observation.
     pub observation: Vec<ChannelText>,
     /// The action.
@@ -254,6 +256,7 @@ impl ContractText {
             task: contract.task.to_owned(),
             control_period_us: contract.control_period_us,
             max_observation_age_us: contract.max_observation_age_us,
+            declared: contract.declared,
             observation: contract
                 .observation
                 .iter()

@@ -3,7 +3,6 @@
 use firmware_sim::progress::Audience;
 use serde::Serialize;
 
-use crate::contract::channel_text;
 use crate::dataset::Dataset;
 use crate::nn::Backend;
 use crate::reward::episodes::{Descriptors, EpisodesConfig, Look};
@@ -60,7 +59,7 @@ fn describe(descriptors: &Descriptors, j: usize, dataset: &Dataset) -> Descripto
         Some(direction) => {
             let weights = descriptors.channels(direction);
             let named = weights.iter().take(NAMED).map(|&(channel, weight)| {
-                let (name, _) = channel_text(channel, dataset.observation_dim());
+                let name = &dataset.robot().observation[channel].name;
                 format!("{}{name}", if weight < 0.0 { "-" } else { "+" })
             });
             named.collect::<Vec<_>>().join(" ")

@@ -91,7 +91,7 @@ impl QuantisedNetworks {
         let mut report = QuantisationReport {
             policy: quantised.policy.compare(mlp, &calibration)?,
             input_fraction_bits: bits,
-            coarsest: Coarsest::of(&normaliser, bits, dataset.observation_dim()),
+            coarsest: Coarsest::of(&normaliser, bits, originals.contract),
             actions: quantised.action_errors(&originals.policy, &observations)?,
             rewards: None,
         };
@@ -176,7 +176,8 @@ impl QuantisedNetworks {
 /// normaliser has channels for it.
 fn largest_norm(normaliser: &Normaliser<'_>, contract: &Contract<'_>) -> f64 {
     let observation = contract.observation.iter().map(|it| [it.low, it.high]);
-    let action = contract.action.iter().map(|it| [it.low, it.high]);
+    // Networks see actions as the policy gives them.
+    let action = contract.action.iter().map(|_| [-1.0, 1.0]);
     let statistics = normaliser.shift().iter().zip(normaliser.scale());
     observation
         .chain(action)

@@ -7,9 +7,9 @@ use ted_core::Normaliser;
 use ted_core::quantised::resolution;
 
 use super::network::NetworkReport;
-use crate::contract::channel_text;
+use ted_policy::Contract;
 
-/// Where a position is resolved too coarsely: a tenth of a millimetre, a hundredth of a full action in Meta-World.
+/// Where a position in metres is resolved too coarsely: a tenth of a millimetre.
 const COARSE_MM: f64 = 0.1;
 
 /// How the integers of an artefact differ from its floats.
@@ -59,14 +59,16 @@ pub struct RewardReport {
 }
 
 impl Coarsest {
-    pub(super) fn of(normaliser: &Normaliser<'_>, fraction_bits: u8, dims: usize) -> Option<Self> {
-        (0..dims)
-            .zip(normaliser.scale())
-            .filter_map(|(index, &scale)| {
-                let (channel, unit) = channel_text(index, dims);
+    pub(super) fn of(
+        normaliser: &Normaliser<'_>,
+        fraction_bits: u8,
+        contract: &Contract<'_>,
+    ) -> Option<Self> {
+        (contract.observation.iter().zip(normaliser.scale()))
+            .filter_map(|(channel, &scale)| {
                 let resolution_mm = 1e3 * f64::from(resolution(scale, fraction_bits));
-                (unit == "m").then_some(Self {
-                    channel,
+                (channel.unit.as_bytes() == b"m").then(|| Self {
+                    channel: channel.name.to_string(),
                     resolution_mm,
                 })
             })

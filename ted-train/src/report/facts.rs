@@ -110,7 +110,7 @@ impl Facts {
         let flown = run.evaluation.as_ref();
         let artefact = folder.artefact_path();
         Ok(Self {
-            flight: flown.and_then(|flown| camera.shoot_flight(flown, &artefact, &channels)),
+            flight: flown.and_then(|flown| camera.shoot_flight(flown, &artefact, dataset)),
             asked,
             predicted: predicted(folder, dataset, &mut camera, &run, audience)?,
             curves: curves(&folder.file("metrics.jsonl")),

@@ -13,7 +13,7 @@ use crate::ask::film::{NoFilm, Reel};
 use crate::ask::{Channels, ClipSource, Numbers, Picture};
 use crate::dataset::{Dataset, Segment};
 use crate::evaluate::Evaluation;
-use crate::recording::{Recording, World, record};
+use crate::recording::{Moment, Recording, World, record};
 
 /// A clip.
 pub(super) struct Shot {
@@ -62,7 +62,7 @@ impl<'a> Camera<'a> {
         &mut self,
         flown: &Evaluation,
         artefact: &Path,
-        channels: &Channels,
+        dataset: &Dataset,
     ) -> Option<Flown> {
         let off = |place: &usize| (flown.returns[*place] - flown.return_mean).abs();
         let place = (0..flown.returns.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
@@ -70,8 +70,16 @@ impl<'a> Camera<'a> {
             return None;
         }
         let again = self.fly(flown, artefact, place)?;
-        let rows: Vec<_> = (again.moments.iter())
-            .map(|it| (it.observation.as_slice(), it.action.as_slice()))
+        // A page shows actions as a policy gives them.
+        let unit = |moment: &Moment| -> Vec<f32> {
+            let maps = dataset.robot().action_maps();
+            maps.zip(&moment.action)
+                .map(|(map, &it)| map.unit(it))
+                .collect()
+        };
+        let actions: Vec<_> = again.moments.iter().map(unit).collect();
+        let rows: Vec<_> = (again.moments.iter().zip(&actions))
+            .map(|(moment, action)| (moment.observation.as_slice(), action.as_slice()))
             .collect();
         Some(Flown {
             place,
@@ -79,7 +87,7 @@ impl<'a> Camera<'a> {
             success: again.report.success,
             shot: Shot {
                 picture: Picture::drawn(
-                    channels,
+                    &Channels::of(dataset),
                     u32::try_from(place).unwrap_or_default(),
                     0,
                     &rows,

@@ -21,7 +21,7 @@ pub use watch::Watch;
 use std::path::PathBuf;
 
 use crate::config::Config;
-use crate::contract::ContractText;
+use crate::contract::contract;
 use crate::dataset::Dataset;
 use crate::export::ExportError;
 use crate::filter::NothingKept;
@@ -118,9 +118,7 @@ pub enum TrainError {
 /// segment as long as the questions ask for, too few episodes, or true rewards that are all the same where they are learned from.
 pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     config.backend.usable()?;
-    ContractText::new(dataset)
-        .contract()
-        .map_err(ExportError::from)?;
+    contract(dataset).map_err(ExportError::from)?;
     match config.reward.source() {
         Source::Computed(reward) => {
             reward.check(dataset)?;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use firmware_sim::robot::Robot;
 use rand::RngExt;
 use ted_train::dataset::minari::{Behaviour, DatasetId, DatasetWriter, Origin};
 use ted_train::dataset::{EpisodeRecord, Shape};
@@ -45,7 +46,8 @@ pub fn write(root: &Path, name: &str, records: &[EpisodeRecord]) -> PathBuf {
         engine: [].into(),
     };
     let id = DatasetId::new("ted", name, 0).unwrap();
-    let writer = DatasetWriter::open(root, id, origin, SHAPE).unwrap();
+    let robot = Robot::draft(SHAPE.observation, &[[-1.0, 1.0]; SHAPE.action]);
+    let writer = DatasetWriter::open(root, id, origin, robot).unwrap();
     for (episode, record) in (0..).zip(records) {
         let behaviour = Behaviour {
             part: "test".into(),

@@ -136,6 +136,7 @@ fn may_go_out(
             && (channel.low..=channel.high).contains(value)
             && match (faulted, channel.on_fault) {
                 (true, SafeAction::Zero) => *value == 0.0,
+                (true, SafeAction::Value(safe)) => *value == safe,
                 (true, SafeAction::HoldLast) => value == last,
                 (false, _) => (value - last).abs() <= reach,
             }

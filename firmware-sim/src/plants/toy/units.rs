@@ -1,6 +1,7 @@
 //! The units in which a toy reports what it sees, so that there is a log whose numbers are nothing like Meta-World's.
 
 use super::OBSERVATION_DIM;
+use crate::robot::Robot;
 
 /// Units of the toy's observations; its actions have one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +30,16 @@ impl Units {
     #[must_use]
     pub fn of_task(task: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|units| units.task() == task)
+    }
+
+    /// The robot that reports in these units.
+    #[must_use]
+    pub fn robot(self) -> Robot {
+        let text = match self {
+            Self::Table => include_str!("robot.toml"),
+            Self::Micrometres => include_str!("robot-micrometres.toml"),
+        };
+        Robot::parse(text).expect("a test reads it")
     }
 
     /// What each value of an observation is multiplied by.

@@ -2,6 +2,7 @@
 
 use super::{METADATA, MINARI_VERSION};
 use crate::dataset::{DatasetError, Shape};
+use firmware_sim::robot::Robot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -139,6 +140,22 @@ struct Space {
     dtype: String,
     #[serde(default)]
     shape: Vec<usize>,
+    #[serde(default)]
+    low: Vec<Option<f32>>,
+    #[serde(default)]
+    high: Vec<Option<f32>>,
+}
+
+impl Space {
+    /// The bounds of each number, none where it has none.
+    fn bounds(&self) -> Vec<Option<[f32; 2]>> {
+        let width = self.shape.first().copied().unwrap_or_default();
+        let at = |ends: &[Option<f32>], i: usize| ends.get(i).copied().flatten();
+        (0..width)
+            .map(|i| Some([at(&self.low, i)?, at(&self.high, i)?]))
+            .map(|ends| ends.filter(|[low, high]| low < high))
+            .collect()
+    }
 }
 
 impl DatasetMetadata {
@@ -158,9 +175,12 @@ impl DatasetMetadata {
         }
     }
 
-    /// The widths of the two spaces, which must be flat boxes of floats.
-    pub(super) fn shape(&self, data: &Path) -> Result<Shape, DatasetError> {
-        let width = |name: &'static str, space: &Option<String>| {
+    /// The widths of the two spaces, which must be flat boxes of floats, and the bounds of each action where both are finite.
+    pub(super) fn spaces(
+        &self,
+        data: &Path,
+    ) -> Result<(Shape, Vec<Option<[f32; 2]>>), DatasetError> {
+        let flat = |name: &'static str, space: &Option<String>| {
             let refuse = |actual: String| DatasetError::Space {
                 path: data.join(METADATA),
                 space: name,
@@ -174,21 +194,28 @@ impl DatasetMetadata {
                 space.dtype.as_str(),
                 space.shape.as_slice(),
             ) {
-                ("Box", "float32" | "float64", &[width]) if width > 0 => Ok(width),
+                ("Box", "float32" | "float64", &[width]) if width > 0 => {
+                    Ok((width, space.bounds()))
+                }
                 ("Box", dtype, shape) => {
                     Err(refuse(format!("a Box of {dtype} with shape {shape:?}")))
                 }
                 (kind, ..) => Err(refuse(format!("a {kind}"))),
             }
         };
-        Ok(Shape {
-            observation: width("observation_space", &self.observation_space)?,
-            action: width("action_space", &self.action_space)?,
-        })
+        let (observation, _) = flat("observation_space", &self.observation_space)?;
+        let (action, bounds) = flat("action_space", &self.action_space)?;
+        Ok((
+            Shape {
+                observation,
+                action,
+            },
+            bounds,
+        ))
     }
 }
 
-/// Python writes the infinite bounds of a box as `Infinity`, which is not JSON; the bounds are not used here.
+/// Python writes the infinite bounds of a box as `Infinity`, which is not JSON.
 fn parse_space(text: &str) -> serde_json::Result<Space> {
     let bounds_as_null = text
         .replace("-Infinity", "null")
@@ -201,7 +228,7 @@ fn parse_space(text: &str) -> serde_json::Result<Space> {
 pub(super) fn dataset_metadata(
     id: &str,
     origin: &Origin,
-    shape: Shape,
+    robot: &Robot,
     steps: usize,
     bytes: u64,
 ) -> Vec<u8> {
@@ -210,8 +237,8 @@ pub(super) fn dataset_metadata(
         total_steps: steps,
         data_format: "arrow",
         jpeg_encoding: false,
-        observation_space: box_space(shape.observation, "-Infinity", "Infinity"),
-        action_space: box_space(shape.action, "-1.0", "1.0"),
+        observation_space: box_space(robot.observation.iter().map(|it| it.range)),
+        action_space: box_space(robot.action.iter().map(|it| Some(it.range))),
         dataset_id: id,
         minari_version: MINARI_VERSION,
         dataset_size: (bytes as f64 / 1e5).round() / 10.0,
@@ -240,9 +267,16 @@ pub(super) fn dataset_metadata(
     to_json(&metadata)
 }
 
-/// A flat box of `float32` as the string that Minari stores. The spelling of the bounds is Python's.
-fn box_space(width: usize, low: &str, high: &str) -> String {
-    let [low, high] = [low, high].map(|bound| vec![bound; width].join(", "));
+/// A flat box of `float32` as the string that Minari stores, with the bounds of each number where it has any. Their spelling is
+/// Python's.
+fn box_space(ranges: impl ExactSizeIterator<Item = Option<[f32; 2]>>) -> String {
+    let width = ranges.len();
+    let bounds = ranges.map(|range| match range {
+        Some(ends) => ends.map(|end| format!("{end:?}")),
+        None => ["-Infinity".to_owned(), "Infinity".to_owned()],
+    });
+    let (low, high): (Vec<_>, Vec<_>) = bounds.map(|[low, high]| (low, high)).unzip();
+    let [low, high] = [low.join(", "), high.join(", ")];
     format!(
         r#"{{"type": "Box", "dtype": "float32", "shape": [{width}], "low": [{low}], "high": [{high}]}}"#
     )

@@ -17,8 +17,8 @@ mod writer;
 
 pub use id::DatasetId;
 pub use metadata::{Behaviour, EpisodeNote, Origin};
-pub(crate) use reader::own_folder;
 pub(super) use reader::read;
+pub(crate) use reader::{data_folder, own_folder};
 pub(crate) use states::states;
 pub use writer::{DatasetWriter, EpisodeError};
 pub(crate) use writer::{finished_origin, is_finished, kept_episode};

@@ -2,15 +2,17 @@
 
 use super::metadata::{DatasetMetadata, EpisodeMetadata};
 use super::{DATA, METADATA, PART, decode};
-use crate::dataset::assemble::{Filled, assemble};
-use crate::dataset::{Dataset, DatasetError};
+use crate::dataset::assemble::{Filled, UNIT, assemble};
+use crate::dataset::{Dataset, DatasetError, Shape};
+use firmware_sim::robot::{ROBOT_FILE, Robot};
+use firmware_sim::worlds;
 use rayon::prelude::*;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Reads the dataset whose folder, or whose `data` folder, is `path`.
-pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
+/// Reads the dataset whose folder, or whose `data` folder, is `path`, as one of this robot, if it is not to be the dataset's own.
+pub(crate) fn read(path: &Path, robot: Option<Robot>) -> Result<Dataset, DatasetError> {
     let data = data_folder(path)?;
     let metadata = DatasetMetadata::read(&data)?;
     if metadata.data_format != "arrow" {
@@ -19,7 +21,19 @@ pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
             format: metadata.data_format,
         });
     }
-    let shape = metadata.shape(&data)?;
+    let (shape, bounds) = metadata.spaces(&data)?;
+    let robot = match robot {
+        Some(robot) => robot,
+        None => recorded_robot(&data, &metadata, shape, &bounds)?,
+    };
+    if Shape::of(&robot) != shape {
+        return Err(DatasetError::OtherRobot {
+            robot: robot.name.clone(),
+            path: data,
+            declared: Shape::of(&robot),
+            recorded: shape,
+        });
+    }
     let id = metadata
         .dataset_id
         .clone()
@@ -41,7 +55,7 @@ pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
     }
     refuse_impossible_lengths(&data, &lengths)?;
 
-    let mut dataset = assemble(&id, shape, &lengths, |index, slots| {
+    let mut dataset = assemble(&id, robot, &lengths, |index, slots| {
         let episode = &episodes[index];
         let path = data.join(index.to_string()).join(PART);
         let place = path.display().to_string();
@@ -62,8 +76,28 @@ pub(crate) fn read(path: &Path) -> Result<Dataset, DatasetError> {
     Ok(dataset)
 }
 
+/// The robot of a dataset: the one in its folder; that of the world whose task it is of; or a draft, with the bounds of the action
+/// space as ranges.
+fn recorded_robot(
+    data: &Path,
+    metadata: &DatasetMetadata,
+    shape: Shape,
+    bounds: &[Option<[f32; 2]>],
+) -> Result<Robot, DatasetError> {
+    let file = data.join(ROBOT_FILE);
+    if file.exists() {
+        return Ok(Robot::read(&file)?);
+    }
+    let origin = metadata.ted.as_ref();
+    if let Some(robot) = origin.and_then(|ted| worlds::robot_of(&ted.origin.task)) {
+        return Ok(robot);
+    }
+    let ranges: Vec<_> = bounds.iter().map(|ends| ends.unwrap_or(UNIT)).collect();
+    Ok(Robot::draft(shape.observation, &ranges))
+}
+
 /// The `data` folder of a dataset, whichever of the two was named.
-pub(super) fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
+pub(crate) fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
     let inner = path.join(DATA);
     if inner.is_dir() {
         Ok(inner)

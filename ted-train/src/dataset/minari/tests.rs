@@ -4,6 +4,7 @@ use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::dataset::{Dataset, EpisodeRecord};
 use firmware_sim::disk::{Disk, WriteError};
+use firmware_sim::robot::Robot;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -35,8 +36,12 @@ fn behaviour() -> Behaviour {
     }
 }
 
+fn robot() -> Robot {
+    Robot::draft(SHAPE.observation, &[[-1.0, 1.0]; SHAPE.action])
+}
+
 fn writer(root: &Path) -> DatasetWriter {
-    DatasetWriter::open(root, id(), origin(), SHAPE).unwrap()
+    DatasetWriter::open(root, id(), origin(), robot()).unwrap()
 }
 
 fn write(root: &Path, order: &[usize]) -> PathBuf {
@@ -193,12 +198,12 @@ fn an_episode_is_not_kept_when_its_seed_behaviour_or_bytes_differ() {
 fn a_second_writer_and_another_plan_are_refused() {
     let root = tempfile::tempdir().unwrap();
     let first = writer(root.path());
-    let second = DatasetWriter::open(root.path(), id(), origin(), SHAPE).unwrap_err();
+    let second = DatasetWriter::open(root.path(), id(), origin(), robot()).unwrap_err();
     assert!(matches!(second, WriteError::Busy { .. }), "{second}");
     drop(first);
     let engine = [("metaworld".to_string(), "3.2.0".to_string())].into();
     let other = Origin { engine, ..origin() };
-    let other = DatasetWriter::open(root.path(), id(), other, SHAPE).unwrap_err();
+    let other = DatasetWriter::open(root.path(), id(), other, robot()).unwrap_err();
     assert!(matches!(other, WriteError::Different { .. }));
     assert!(
         other.to_string().contains("with metaworld 3.1.1, now"),
@@ -221,7 +226,8 @@ fn a_full_disk_is_named_and_what_is_there_stays_good() {
     let all = records(&LENGTHS);
     {
         let writer =
-            DatasetWriter::open_on(full_at_episode_2, root.path(), id(), origin(), SHAPE).unwrap();
+            DatasetWriter::open_on(full_at_episode_2, root.path(), id(), origin(), robot())
+                .unwrap();
         writer.write(0, behaviour(), &all[0]).unwrap();
         writer.write(1, behaviour(), &all[1]).unwrap();
         let error = writer.write(2, behaviour(), &all[2]).unwrap_err();
@@ -258,7 +264,8 @@ fn a_disk_that_fills_up_while_finishing_keeps_the_previous_metadata() {
     });
     {
         let writer =
-            DatasetWriter::open_on(full_for_metadata, root.path(), id(), origin(), SHAPE).unwrap();
+            DatasetWriter::open_on(full_for_metadata, root.path(), id(), origin(), robot())
+                .unwrap();
         assert!(matches!(writer.finish(), Err(WriteError::DiskFull { .. })));
         assert_eq!(fs::read(folder.join("data").join(METADATA)).unwrap(), b"{}");
     }

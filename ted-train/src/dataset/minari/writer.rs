@@ -10,6 +10,7 @@ use super::metadata::{
 use super::{DATA, DatasetId, METADATA, PART, encode};
 use crate::dataset::{DatasetError, EpisodeRecord, Shape};
 use firmware_sim::disk::{Disk, WriteError, create_folder, lock, rename, sync_folder};
+use firmware_sim::robot::{ROBOT_FILE, Robot};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -33,20 +34,20 @@ pub struct DatasetWriter {
     folder: PathBuf,
     data: PathBuf,
     origin: Origin,
-    shape: Shape,
+    robot: Robot,
     disk: Disk,
     _lock: File,
 }
 
 impl DatasetWriter {
-    /// Begins or goes on with the dataset `id` under `root`.
+    /// Begins or goes on with the dataset `id` of this robot under `root`.
     pub fn open(
         root: &Path,
         id: DatasetId,
         origin: Origin,
-        shape: Shape,
+        robot: Robot,
     ) -> Result<Self, WriteError> {
-        Self::open_on(Disk::REAL, root, id, origin, shape)
+        Self::open_on(Disk::REAL, root, id, origin, robot)
     }
 
     pub(super) fn open_on(
@@ -54,7 +55,7 @@ impl DatasetWriter {
         root: &Path,
         id: DatasetId,
         origin: Origin,
-        shape: Shape,
+        robot: Robot,
     ) -> Result<Self, WriteError> {
         let folder = id.folder(root);
         let data = folder.join(DATA);
@@ -75,7 +76,7 @@ impl DatasetWriter {
             folder,
             data,
             origin,
-            shape,
+            robot,
             disk,
             _lock: lock,
         };
@@ -103,8 +104,8 @@ impl DatasetWriter {
         behaviour: Behaviour,
         record: &EpisodeRecord,
     ) -> Result<EpisodeNote, EpisodeError> {
-        record.check(self.shape, &format!("episode {episode}"))?;
-        let part = encode::episode_file(record, self.shape)
+        record.check(&self.robot, &format!("episode {episode}"))?;
+        let part = encode::episode_file(record, Shape::of(&self.robot))
             .map_err(|error| WriteError::at(&self.data, std::io::Error::other(error)))?;
         let note = EpisodeNote {
             behaviour,
@@ -131,7 +132,7 @@ impl DatasetWriter {
         Ok(note)
     }
 
-    /// Writes `metadata.json`, after which the dataset is complete. Every episode must have been written or kept.
+    /// Writes the robot and `metadata.json`, after which the dataset is complete. Every episode must have been written or kept.
     pub fn finish(&self) -> Result<PathBuf, WriteError> {
         let mut steps = 0;
         let mut bytes = 0;
@@ -150,8 +151,13 @@ impl DatasetWriter {
                     .len();
             }
         }
-        let metadata =
-            dataset_metadata(&self.id.to_string(), &self.origin, self.shape, steps, bytes);
+        let robot = self.robot.to_toml().into_bytes();
+        let path = self.data.join(ROBOT_FILE);
+        if fs::read(&path).ok().as_ref() != Some(&robot) {
+            self.disk.replace(&path, &robot)?;
+        }
+        let id = self.id.to_string();
+        let metadata = dataset_metadata(&id, &self.origin, &self.robot, steps, bytes);
         let path = self.data.join(METADATA);
         if fs::read(&path).ok().as_ref() != Some(&metadata) {
             self.disk.replace(&path, &metadata)?;

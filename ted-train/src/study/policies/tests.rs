@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use firmware_sim::bridge::Engine;
 use firmware_sim::controller::Numeric;
 use firmware_sim::progress::Audience;
+use firmware_sim::robot::Robot;
 
 use super::*;
 use crate::dataset::fixtures;
@@ -81,7 +82,11 @@ fn dataset_in(root: &Path) -> PathBuf {
         ..Behaviour::default()
     };
     let id = DatasetId::new("ted", "x", 0).unwrap();
-    let writer = DatasetWriter::open(root, id, origin, fixtures::SHAPE).unwrap();
+    let robot = Robot::draft(
+        fixtures::SHAPE.observation,
+        &[[-1.0, 1.0]; fixtures::SHAPE.action],
+    );
+    let writer = DatasetWriter::open(root, id, origin, robot).unwrap();
     let episode = &fixtures::records(&[9])[0];
     writer.write(0, behaviour, episode).unwrap();
     writer.finish().unwrap()

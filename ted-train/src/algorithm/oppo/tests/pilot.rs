@@ -4,7 +4,7 @@ use firmware_sim::rollout::Pilot;
 use firmware_sim::safety::{Fault, ObservationFrame};
 
 use crate::algorithm::oppo::{Oppo, Player, SequencePilot};
-use crate::contract::ContractText;
+use crate::contract::contract;
 use crate::nn::Backend;
 use crate::nn::fixtures::numbers;
 use crate::rng::Seed;
@@ -15,8 +15,7 @@ use super::{config, dataset};
 fn it_acts_as_the_player_does_until_an_observation_is_not_to_be_flown_on() {
     let dataset = dataset();
     let oppo = Oppo::new(&config(), &dataset, Seed::root(6), Backend::Flex).unwrap();
-    let text = ContractText::new(&dataset);
-    let contract = text.contract().unwrap();
+    let contract = contract(&dataset).unwrap();
     let mut pilot = SequencePilot::new(&oppo, &contract);
     for _episode in 0..2 {
         pilot.reset().unwrap();
