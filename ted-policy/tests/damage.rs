@@ -7,7 +7,9 @@ use proptest::prelude::*;
 use support::{array_at, field, full_bytes, metadata, minimal, resealed};
 use ted_core::Scratch;
 use ted_core::integer::IntegerScratch;
-use ted_policy::{Artifact, ArtifactBytes, ArtifactError, HEADER_LENGTH, MAGIC, Place, write};
+use ted_policy::{
+    Artifact, ArtifactBytes, ArtifactError, FORMAT_VERSION, HEADER_LENGTH, MAGIC, Place, write,
+};
 
 fn refusal(bytes: &[u8]) -> ArtifactError {
     Artifact::parse(bytes)
@@ -95,14 +97,14 @@ fn another_file_is_refused_by_its_first_bytes() {
 
 #[test]
 fn another_version_is_refused_before_its_header_is_believed() {
-    for version in [0_u32, 2, u32::MAX] {
+    for version in [0_u32, FORMAT_VERSION + 1, u32::MAX] {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(version.to_le_bytes());
         let error = refusal(&ArtifactBytes::from_vec(bytes));
         assert_eq!(
             error,
             ArtifactError::UnsupportedVersion {
-                expected: 1,
+                expected: FORMAT_VERSION,
                 actual: version
             }
         );
