@@ -2,7 +2,7 @@
 
 use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plants::toy::artifact_spec;
-use firmware_sim::safety::{Action, Fault, ObservationFrame};
+use firmware_sim::safety::{Action, ActionGuard, Fault, ObservationFrame};
 use ted_core::{Dense, Mlp, Normaliser, Output, Policy};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ArtifactSpec, SafeAction, write};
 
@@ -240,8 +240,35 @@ fn an_action_stays_in_the_contracts_range() {
             values: &[0.0, 0.0, 0.9, -0.9, 0.0],
         };
         let (action, status) = controller.tick(0, &frame);
-        assert_eq!(action, [0.375, -0.125, 0.375]);
-        assert!(status.clamped && !status.slew_limited);
+        // The policy wants 1, -1 and a little less than 1, which are the ends of the range and a little less.
+        let wanted = [0.375, -0.125, 0.366];
+        for (sent, wanted) in action.iter().zip(wanted) {
+            assert!((sent - wanted).abs() < 1e-4, "{action:?}");
+            assert!((-0.125..=0.375).contains(sent), "{action:?}");
+        }
+        assert!(!status.slew_limited);
+    });
+    // A policy without a tanh at its end may want more than there is.
+    let mut guard = ActionGuard::new(spec.contract.action.iter().copied());
+    let sent = guard.send(&[1.5, -1.5, 0.0]).unwrap();
+    assert_eq!(sent.action, [0.375, -0.125, 0.125]);
+    assert!(sent.clamped && !sent.slew_limited);
+}
+
+#[test]
+fn a_channel_may_be_sent_any_value_of_its_range_on_a_fault() {
+    let mut spec = artifact_spec().unwrap();
+    for channel in &mut spec.contract.action {
+        (channel.low, channel.high, channel.slew_per_tick) = (0.25, 1.0, 1.0);
+        channel.on_fault = SafeAction::Value(0.75);
+    }
+    loaded(&spec, |controller| {
+        let mut controller = controller.unwrap();
+        let (_, fault) = tick(&mut controller, 0, &[0.0, 0.0, 0.9, -0.9, 0.0]);
+        assert_eq!(fault, None);
+        let (safe, fault) = tick(&mut controller, 1, &[f32::NAN, 0.0, 0.9, -0.9, 0.0]);
+        assert!(fault.is_some());
+        assert_eq!(safe, [0.75; 3]);
     });
 }
 

@@ -14,7 +14,7 @@ use crate::controller::{Numeric, Status};
 use crate::safety::Action;
 
 /// The version of the protocol this program speaks.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;
 
 /// What a host asks. A request that no reply is heard of is sent again, with the same number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
