@@ -10,6 +10,7 @@ use super::flights::Crew;
 use super::report::Report;
 use super::seat::SeatArgs;
 use crate::bridge::Engine;
+use crate::device::message::Refusal;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -89,6 +90,12 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     check(args)?;
     let bytes = artefact::read(&args.policy)?;
     let artifact = artefact::parse(&bytes, &args.policy)?;
+    if !artifact.terms().declared && args.plant != PlantKind::Replay {
+        return Err(Failure::new(
+            ExitCode::BadInput,
+            format_args!("fly {}: {}", args.policy.display(), Refusal::Undeclared),
+        ));
+    }
     interrupt::install()
         .map_err(|error| Failure::new(ExitCode::Failure, format_args!("catch Ctrl-C: {error}")))?;
     let crew = Crew {

@@ -5,10 +5,10 @@ use firmware_sim::bench::{FlashFault, HostBoard, MemoryFlash, cable};
 use firmware_sim::device::message::{FlashBegin, Refusal, Start};
 use firmware_sim::device::slots::{SlotReport, Survey, Transfer, survey};
 use firmware_sim::device::{MappedFlash, serve};
-use firmware_sim::plants::toy::ToyPlant;
+use firmware_sim::plants::toy::{ToyPlant, artifact_spec};
 use firmware_sim::remote::{Connection, Flashed, Progress, RemoteController, RemoteError, flash};
 use firmware_sim::rollout::fly_episode;
-use ted_policy::Artifact;
+use ted_policy::{Artifact, write};
 
 use super::artefacts::{
     FLASH_BYTES, QUICK, checksum, connected, flash_with, other_artefact, rewired_artefact,
@@ -175,6 +175,15 @@ fn refused(artefact: &[u8]) -> (Refusal, String) {
         Ok(checksum(&other_artefact()))
     );
     (refusal, refusal.to_string())
+}
+
+#[test]
+fn an_artefact_of_a_robot_that_nobody_declared_is_refused_with_the_way_out() {
+    let mut spec = artifact_spec().unwrap();
+    spec.contract = spec.contract.undeclared();
+    let (refusal, words) = refused(&write(&spec).unwrap());
+    assert_eq!(refusal, Refusal::Undeclared);
+    assert!(words.contains("`ted robot draft DATASET`"), "{words}");
 }
 
 #[test]

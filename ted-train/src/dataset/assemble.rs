@@ -255,11 +255,32 @@ mod tests {
     #[test]
     fn an_action_that_no_policy_could_send_is_named_with_its_place() {
         let text = error(|r| r.actions[SHAPE.action * 2 + 3] = -1.0001);
-        let place = "actions of episode 1 holds -1.0001 at row 2, column 3";
+        let place = "actions of episode 1 holds -1.0001 at row 2, channel action_3";
         assert!(text.starts_with(place), "{text}");
         let mut at_the_edge = records(&[4]);
         at_the_edge[0].actions[..2].copy_from_slice(&[1.0, -1.0]);
         assert!(Dataset::from_records("ted/x-v0", SHAPE, &at_the_edge).is_ok());
+    }
+
+    #[test]
+    fn actions_of_any_range_are_learned_from_in_the_policy_s_and_kept_as_recorded() {
+        let mut ranged = records(&[4]);
+        for action in &mut ranged[0].actions {
+            *action = 5.0 + 5.0 * *action;
+        }
+        let refused = Dataset::from_records("ted/x-v0", SHAPE, &ranged).unwrap_err();
+        assert!(refused.to_string().contains("ted robot draft"), "{refused}");
+        let robot = Robot::draft(SHAPE.observation, &[[0.0, 10.0]; SHAPE.action]);
+        let dataset = Dataset::of_robot("ted/x-v0", robot, &ranged).unwrap();
+        assert_eq!(dataset.actions_env(), ranged[0].actions);
+        for (unit, original) in dataset.actions().iter().zip(&records(&[4])[0].actions) {
+            assert!((unit - original).abs() < 1e-6, "{unit} {original}");
+        }
+        // The same numbers, seen in another range, are other data.
+        let wider = Robot::draft(SHAPE.observation, &[[0.0, 20.0]; SHAPE.action]);
+        let wider = Dataset::of_robot("ted/x-v0", wider, &ranged).unwrap();
+        assert_ne!(dataset.digest(), wider.digest());
+        assert!(wider.actions().iter().all(|action| *action <= 0.0));
     }
 
     #[test]
