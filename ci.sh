@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, Chromium with its driver, and OSMesa; on a
+# Everything that must pass before a merge, cheapest first. Needs Rust, Python, for the firmware QEMU and a C compiler, Slurm, Chromium with its driver, OSMesa, and a C++ compiler; on a
 # Debian machine of CI's own what is missing is installed. The simulator's packages are installed by the tests that need them.
 # One profile throughout: burn is built once, and tests of numbers want it optimised.
 set -euo pipefail
@@ -46,6 +46,7 @@ installed() {
     for_the_cluster
     for_the_page
     for_the_pictures
+    for_the_exports
     cargo --version
     "$python" --version
     qemu-system-arm --version | head -1
@@ -82,6 +83,11 @@ for_the_page() {
 for_the_pictures() {
     [ "$(uname)" = Linux ] || return 0
     "$python" -Es -c 'from ctypes import CDLL; CDLL("libOSMesa.so.8")' 2>/dev/null || debian libosmesa6
+}
+
+# A compiler for C++, for the headers of `ted export`; the one for C is there for the firmware.
+for_the_exports() {
+    command -v c++ >/dev/null || debian g++
 }
 
 # Installs packages where that is nobody's own machine, and names them elsewhere.

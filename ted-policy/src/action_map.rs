@@ -19,6 +19,18 @@ impl ActionMap {
         }
     }
 
+    /// The middle of the range, which is the policy's 0.
+    #[must_use]
+    pub const fn middle(self) -> f32 {
+        self.middle
+    }
+
+    /// Half the width of the range, which is the policy's 1.
+    #[must_use]
+    pub const fn half(self) -> f32 {
+        self.half
+    }
+
     /// What the policy's number is to the robot, in the channel's unit.
     #[inline]
     #[must_use]

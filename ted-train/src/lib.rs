@@ -20,6 +20,7 @@ pub mod fleet;
 pub mod inspect;
 pub mod nn;
 pub mod preferences;
+mod protobuf;
 pub mod quantise;
 pub mod quickstart;
 mod ranking;

@@ -44,6 +44,8 @@ pub const SCORED_F32: Tolerance = exact("TED classes, controller on the logs - t
 pub const SCORED_INTEGER: Tolerance = exact("the same, in integers");
 /// Returns of the episodes of an evaluation, flown again.
 pub const RETURNS: Tolerance = exact("returns, flown again - evaluation");
+/// Actions of an exported C header in the robot's units, without a `tanh`: its sums are in the order of `ted-core`.
+pub const EXPORTED_SUMS: Tolerance = exact("actions without tanh, exported C header - ted-core");
 /// Actions of the engine that training runs on.
 pub const ACTIONS_FUSED: Tolerance = absolute("actions, fused - ted-core", 1e-5);
 /// Actions of burn's default CPU backend.
@@ -56,9 +58,14 @@ pub const ACTIONS_BURN: Tolerance = absolute("actions, burn flex - burn ndarray"
 pub const LAYER: Tolerance = absolute("one layer, any engine - double precision", 1e-5);
 /// Outputs, gradients in parameters and inputs, and updated parameters of networks on the fast engine: length of the difference to length.
 pub const NETWORK_FUSED: Tolerance = absolute("networks, fused - burn flex", 1e-6);
+/// Actions of an exported C header in the robot's units, by the largest number of the channel's range: `tanhf` is the C library's, a
+/// few units in the last place from ours.
+pub const EXPORTED_C: Tolerance = absolute("actions, exported C header - ted-core", 5e-7);
+/// The same of ONNX and safetensors files, whose readers sum in any order.
+pub const EXPORTED: Tolerance = absolute("actions, exported tensors - ted-core", 1e-5);
 
 /// The whole table.
-pub const TABLE: [Tolerance; 15] = [
+pub const TABLE: [Tolerance; 18] = [
     GOLDEN,
     INTEGER_GOLDEN,
     WEIGHTS,
@@ -68,12 +75,15 @@ pub const TABLE: [Tolerance; 15] = [
     SCORED_F32,
     SCORED_INTEGER,
     RETURNS,
+    EXPORTED_SUMS,
     ACTIONS_FUSED,
     ACTIONS_FLEX,
     ACTIONS_NDARRAY,
     ACTIONS_BURN,
     LAYER,
     NETWORK_FUSED,
+    EXPORTED_C,
+    EXPORTED,
 ];
 
 impl Allowed {

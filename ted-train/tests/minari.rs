@@ -8,13 +8,12 @@
 //!     --only-binary :all: --no-header -o requirements.lock requirements.in
 //! ```
 
-use firmware_sim::bridge::environment::interpreter;
+mod venv;
+
 use firmware_sim::robot::Robot;
 use serde_json::Value;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-use std::sync::OnceLock;
 use ted_train::dataset::minari::{Behaviour, DatasetId, DatasetWriter, MINARI_VERSION, Origin};
 use ted_train::dataset::{Dataset, EpisodeRecord, InfoColumn, Shape};
 
@@ -232,10 +231,11 @@ fn numbers(array: &Value) -> Vec<f64> {
 
 /// Runs the script beside this file in the real package's environment.
 fn arrays(root: &Path, command: &str, id: &str) -> Value {
-    let script = Path::new(FOLDER).join("arrays.py");
-    let output = Command::new(python())
+    let folder = Path::new(FOLDER);
+    let python = venv::python("minari", &folder.join("requirements.lock"));
+    let output = Command::new(python)
         .env("MINARI_DATASETS_PATH", root)
-        .arg(script)
+        .arg(folder.join("arrays.py"))
         .args([command, id])
         .output()
         .unwrap();
@@ -245,69 +245,4 @@ fn arrays(root: &Path, command: &str, id: &str) -> Value {
         String::from_utf8_lossy(&output.stderr)
     );
     serde_json::from_slice(&output.stdout).unwrap()
-}
-
-/// The interpreter of the environment, made on first use. A stamp with the requirements is written last, so that an
-/// interrupted installation is made anew and a change of versions is seen.
-fn python() -> &'static Path {
-    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
-        let venv = std::env::var_os("TED_MINARI_VENV").map_or_else(
-            || Path::new(env!("CARGO_TARGET_TMPDIR")).join("minari-venv"),
-            PathBuf::from,
-        );
-        let python = venv.join("bin/python");
-        let requirements = Path::new(FOLDER).join("requirements.lock");
-        let wanted = fs::read(&requirements).unwrap();
-        let stamp = venv.join("ted-minari");
-        // Held by one test process at a time, and released however it ends.
-        fs::create_dir_all(venv.parent().unwrap()).unwrap();
-        let lock = fs::File::create(venv.with_file_name("ted-minari.lock")).unwrap();
-        lock.lock().unwrap();
-        if fs::read(&stamp).ok().as_ref() != Some(&wanted) {
-            // The interpreter that the bridge would choose: the packages are built for the same ones.
-            let system = interpreter().unwrap_or_else(|error| panic!("failed to {error}"));
-            assert!(
-                system.version >= (3, 11),
-                "Minari {MINARI_VERSION} needs Python 3.11: name one with TED_PYTHON"
-            );
-            succeed(
-                Command::new(system.path)
-                    .args(["-Es", "-m", "venv", "--clear"])
-                    .arg(&venv),
-            );
-            let pip = [
-                "-Es",
-                "-m",
-                "pip",
-                "install",
-                "--quiet",
-                "--disable-pip-version-check",
-            ];
-            let options = [
-                "--no-user",
-                "--require-hashes",
-                "--only-binary",
-                ":all:",
-                "--requirement",
-            ];
-            succeed(
-                Command::new(&python)
-                    .args(pip)
-                    .args(options)
-                    .arg(&requirements),
-            );
-            fs::write(stamp, wanted).unwrap();
-        }
-        python
-    })
-}
-
-fn succeed(command: &mut Command) {
-    let output = command.output().unwrap();
-    assert!(
-        output.status.success(),
-        "{command:?}: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
 }

@@ -1,4 +1,13 @@
-//! From a trained run to the artefact that a controller flies.
+//! From a trained run to the artefact that a controller flies, and from the artefact to files for other programs.
+
+mod c_header;
+mod facts;
+mod floats;
+mod onnx;
+mod portable;
+mod safetensors;
+
+pub use portable::Portable;
 
 use firmware_sim::disk::WriteError as WriteFileError;
 use ted_core::integer::IntegerError;

@@ -1,7 +1,6 @@
 //! TensorBoard event files: TFRecord framing around `Event` messages that carry scalar summaries.
 //!
-//! The two formats are small and frozen, so they are written here instead of pulling in a protobuf compiler. A row is
-//! `u64 length, u32 masked CRC-32C of the length, payload, u32 masked CRC-32C of the payload`, all little-endian
+//! A row is `u64 length, u32 masked CRC-32C of the length, payload, u32 masked CRC-32C of the payload`, all little-endian
 //! (tensorflow `core/lib/io/record_writer.h`, `core/util/event.proto`).
 
 use std::fs::{File, OpenOptions};
@@ -12,6 +11,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Map, Value};
 
 use firmware_sim::disk::WriteError;
+
+use crate::protobuf::Message;
 
 /// Writes scalars that TensorBoard shows as curves.
 #[derive(Debug)]
@@ -35,8 +36,7 @@ impl EventWriter {
             .map_err(|source| WriteError::at(&path, source))?;
         let mut writer = Self { file, path };
         // Event { wall_time = 1; file_version = 3 }
-        let version = [field(3, 2), bytes(b"brain.Event:2")].concat();
-        writer.record(&[wall_time(), version].concat())?;
+        writer.record(&event().text(3, "brain.Event:2").encoded())?;
         Ok(writer)
     }
 
@@ -51,24 +51,16 @@ impl EventWriter {
         row: &Map<String, Value>,
     ) -> Result<(), WriteError> {
         // Summary { repeated Value value = 1 }, Value { string tag = 1; float simple_value = 2 }
-        let mut summary = Vec::new();
+        let mut summary = Message::new();
         for (name, value) in row.iter().filter(|(name, _)| *name != "step") {
             if let Some(number) = value.as_f64() {
-                let tag = [field(1, 2), bytes(format!("{phase}/{name}").as_bytes())].concat();
-                let scalar = [field(2, 5), (number as f32).to_le_bytes().to_vec()].concat();
-                summary.extend([field(1, 2), bytes(&[tag, scalar].concat())].concat());
+                let tag = Message::new().text(1, &format!("{phase}/{name}"));
+                summary = summary.message(1, &tag.float(2, number as f32));
             }
         }
         // Event { double wall_time = 1; int64 step = 2; Summary summary = 5 }
-        let event = [
-            wall_time(),
-            field(2, 0),
-            varint(step),
-            field(5, 2),
-            bytes(&summary),
-        ]
-        .concat();
-        self.record(&event)
+        let event = event().integer(2, step).message(5, &summary);
+        self.record(&event.encoded())
     }
 
     fn record(&mut self, payload: &[u8]) -> Result<(), WriteError> {
@@ -86,30 +78,12 @@ impl EventWriter {
     }
 }
 
-fn wall_time() -> Vec<u8> {
+/// An event of this moment, in seconds since 1970.
+fn event() -> Message {
     let seconds = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0.0, |d| d.as_secs_f64());
-    [field(1, 1), seconds.to_le_bytes().to_vec()].concat()
-}
-
-/// Protobuf key of a field: its number and wire type.
-fn field(number: u8, wire_type: u8) -> Vec<u8> {
-    vec![number << 3 | wire_type]
-}
-
-fn bytes(content: &[u8]) -> Vec<u8> {
-    [varint(content.len() as u64), content.to_vec()].concat()
-}
-
-fn varint(mut value: u64) -> Vec<u8> {
-    let mut out = Vec::new();
-    while value >= 0x80 {
-        out.push(value as u8 | 0x80);
-        value >>= 7;
-    }
-    out.push(value as u8);
-    out
+    Message::new().double(1, seconds)
 }
 
 fn masked_crc32c(data: &[u8]) -> u32 {

@@ -114,6 +114,17 @@ pub fn finish(command: &mut Command) -> Ended {
     heard(command.output().unwrap())
 }
 
+/// The command under a shell that lets no file grow beyond this many blocks of 512 bytes.
+pub fn limited(command: &Command, blocks: u32) -> Command {
+    let mut shell = Command::new("sh");
+    // Ignored, the signal leaves the write to fail as it does on a full disk.
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+    shell.args(["-c", &script]);
+    shell.arg(command.get_program()).args(command.get_args());
+    shell.current_dir(command.get_current_dir().unwrap());
+    shell
+}
+
 /// Waits for the end of a command whose output is caught.
 pub fn ended(child: Child) -> Ended {
     heard(child.wait_with_output().unwrap())

@@ -2,20 +2,8 @@
 //! the same place.
 
 use std::fs;
-use std::process::Command;
 
-use crate::command::{Desk, assert_same_outcome, checkpoints, finish};
-
-/// The command under a shell that lets no file grow beyond this many blocks of 512 bytes.
-fn limited(command: &Command, blocks: u32) -> Command {
-    let mut shell = Command::new("sh");
-    // Ignored, the signal leaves the write to fail as it does on a full disk.
-    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
-    shell.args(["-c", &script]);
-    shell.arg(command.get_program()).args(command.get_args());
-    shell.current_dir(command.get_current_dir().unwrap());
-    shell
-}
+use crate::command::{Desk, assert_same_outcome, checkpoints, finish, limited};
 
 #[test]
 fn a_checkpoint_that_does_not_fit_leaves_the_one_before_and_the_run_goes_on_later() {

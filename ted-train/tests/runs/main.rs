@@ -7,6 +7,7 @@ mod bad_settings;
 mod batch;
 mod command;
 mod dataset;
+mod export;
 mod fleet;
 mod full_disk;
 mod interruptions;

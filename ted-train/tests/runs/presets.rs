@@ -126,6 +126,7 @@ fn a_policy_that_no_controller_can_fly_is_refused_where_an_artefact_is_asked_for
     let run = desk.run("run");
     for arguments in [
         &["export"][..],
+        &["export", "--to", "onnx"],
         &["crosscheck"],
         &["eval", "--replay"],
         &["inspect"],
