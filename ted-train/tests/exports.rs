@@ -302,6 +302,7 @@ fn contract_parts(artifact: &Artifact<'_>) -> Vec<String> {
         contract.task.to_owned(),
         contract.control_period_us.to_string(),
         contract.max_observation_age_us.to_string(),
+        u8::from(contract.declared).to_string(),
     ];
     for it in &contract.observation {
         parts.extend([it.name.to_string(), it.unit.to_string()]);
@@ -311,10 +312,11 @@ fn contract_parts(artifact: &Artifact<'_>) -> Vec<String> {
         parts.extend([it.name.to_string(), it.unit.to_string()]);
         parts.extend([it.low, it.high, it.slew_per_tick].map(number));
         let on_fault = match it.on_fault {
-            SafeAction::Zero => "zero",
-            SafeAction::HoldLast => "hold-last",
+            SafeAction::Zero => "zero".to_owned(),
+            SafeAction::HoldLast => "hold-last".to_owned(),
+            SafeAction::Value(value) => number(value),
         };
-        parts.push(on_fault.to_owned());
+        parts.push(on_fault);
     }
     parts
 }

@@ -74,11 +74,10 @@ fn robot(widths: &[usize], output: Output, ranges: &[(f32, f32)]) -> ArtifactByt
             low,
             high,
             slew_per_tick: 0.1 + i as f32,
-            // The only safe action where zero is outside.
-            on_fault: if low <= 0.0 && high >= 0.0 {
-                SafeAction::Zero
-            } else {
-                SafeAction::HoldLast
+            on_fault: match i {
+                0 => SafeAction::HoldLast,
+                _ if low <= 0.0 && high >= 0.0 => SafeAction::Zero,
+                _ => SafeAction::Value(low),
             },
         })
         .collect();

@@ -30,6 +30,7 @@ static void print_contract(void)
     print_text(TED_POLICY_TASK);
     print_time(TED_POLICY_CONTROL_PERIOD_US);
     print_time(TED_POLICY_MAX_OBSERVATION_AGE_US);
+    print_time(TED_POLICY_DECLARED);
     for (int i = 0; i < TED_POLICY_OBSERVATION; ++i) {
         const ted_policy_observation_channel *it = &ted_policy_observation_channels[i];
         print_text(it->name);
@@ -44,7 +45,11 @@ static void print_contract(void)
         print_bits(it->low);
         print_bits(it->high);
         print_bits(it->slew_per_tick);
-        print_text(it->on_fault == TED_POLICY_ZERO ? "zero" : "hold-last");
+        if (it->on_fault == TED_POLICY_VALUE) {
+            print_bits(it->on_fault_value);
+        } else {
+            print_text(it->on_fault == TED_POLICY_ZERO ? "zero" : "hold-last");
+        }
     }
 }
 
