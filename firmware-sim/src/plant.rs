@@ -7,7 +7,7 @@ use std::error::Error;
 
 use thiserror::Error;
 
-use crate::bridge::BridgeError;
+use crate::bridge::{BridgeError, State};
 use crate::exit::ExitCode;
 
 /// A robot, a simulation of one, or a recording.
@@ -46,6 +46,40 @@ pub trait Plant {
     /// # Errors
     /// When the action does not fit the plant, no episode is running, or the plant cannot be reached.
     fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError>;
+
+    /// What there is to draw of the running episode; none where nothing can be drawn.
+    ///
+    /// # Errors
+    /// When no episode is running, or the plant cannot be reached.
+    fn state(&mut self) -> Result<Option<State>, PlantError> {
+        Ok(None)
+    }
+}
+
+impl<P: Plant + ?Sized> Plant for Box<P> {
+    fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
+        (**self).reset(seed)
+    }
+
+    fn now_us(&self) -> u64 {
+        (**self).now_us()
+    }
+
+    fn observe(&mut self) -> Result<Observed, PlantError> {
+        (**self).observe()
+    }
+
+    fn announce(&mut self, action_env: &[f32]) -> Result<(), PlantError> {
+        (**self).announce(action_env)
+    }
+
+    fn apply(&mut self, action_env: &[f32]) -> Result<StepOutcome, PlantError> {
+        (**self).apply(action_env)
+    }
+
+    fn state(&mut self) -> Result<Option<State>, PlantError> {
+        (**self).state()
+    }
 }
 
 /// What a plant saw.

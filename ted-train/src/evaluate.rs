@@ -5,19 +5,18 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use firmware_sim::bridge::Engine;
-use firmware_sim::bridge::environment::{self, SetupError};
+use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::controller::{Controller, Numeric};
+use firmware_sim::device::message::Refusal;
 use firmware_sim::disk::WriteError;
 use firmware_sim::interrupt;
-use firmware_sim::plant::PlantError;
-use firmware_sim::plants::metaworld::MetaWorldPlant;
-use firmware_sim::plants::toy::{ToyPlant, Units};
 use firmware_sim::progress::Audience;
 use firmware_sim::remote::RemoteError;
 use firmware_sim::rollout::{
     EpisodeReport, FlyError, Pilot, Summary, abreast, episode_seeds, fly_with, normalised_score,
 };
-use firmware_sim::tasks::{self, TaskError};
+use firmware_sim::tasks::TaskError;
+use firmware_sim::worlds::World;
 use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ContractFault, LoadError};
 
@@ -106,6 +105,9 @@ pub enum EvaluateError {
     /// The artefact is broken.
     #[error("the artefact is not valid: {0}")]
     Artifact(ArtifactError),
+    /// Nobody declared the robot.
+    #[error("fly the policy: {}", Refusal::Undeclared)]
+    Undeclared,
     /// The simulator has no such task.
     #[error(transparent)]
     Task(#[from] TaskError),
@@ -146,13 +148,13 @@ pub enum Flyer<'a> {
     Sequence(&'a Oppo, &'a Dataset),
 }
 
-/// Flies the episodes of a plan, on the task that the policy was learned for unless another one is named.
+/// Flies the episodes of a plan, in this world or, if none is named, in that of the task that the policy was learned for.
 ///
 /// # Errors
 /// When the artefact is broken, there is no simulator, or a flight cannot be finished.
 pub fn evaluate(
     flyer: Flyer<'_>,
-    task: Option<&str>,
+    world: Option<World>,
     plan: &FlightPlan,
     audience: Audience,
 ) -> Result<Evaluation, EvaluateError> {
@@ -163,22 +165,26 @@ pub fn evaluate(
             let (contract, provenance) = (artifact.contract(), artifact.provenance());
             let origin = Origin {
                 task: contract.task,
+                period_us: contract.control_period_us,
+                declared: contract.declared,
                 return_mean: provenance.dataset_return_mean,
                 return_max: provenance.dataset_return_max,
             };
             let controller = Controller::load(&artifact, numeric).map_err(FlyError::Load)?;
             let pilot = || Ok(controller.clone());
-            fly_all(pilot, &origin, numeric, task, plan, audience)
+            fly_all(pilot, &origin, numeric, world, plan, audience)
         }
         Flyer::Sequence(oppo, dataset) => {
             let contract = contract(dataset).map_err(EvaluateError::Contract)?;
             let origin = Origin {
                 task: contract.task,
+                period_us: contract.control_period_us,
+                declared: contract.declared,
                 return_mean: dataset.mean_return_true(),
                 return_max: dataset.max_return_true(),
             };
             let pilot = || Ok(SequencePilot::new(oppo, &contract));
-            fly_all(pilot, &origin, Numeric::F32, task, plan, audience)
+            fly_all(pilot, &origin, Numeric::F32, world, plan, audience)
         }
     }
 }
@@ -186,6 +192,8 @@ pub fn evaluate(
 /// Where a policy comes from, and what its score is measured by.
 struct Origin<'a> {
     task: &'a str,
+    period_us: u32,
+    declared: bool,
     return_mean: f64,
     return_max: f64,
 }
@@ -194,7 +202,7 @@ fn fly_all<Q: Pilot>(
     make_pilot: impl Fn() -> Result<Q, RemoteError> + Sync,
     origin: &Origin<'_>,
     numeric: Numeric,
-    task: Option<&str>,
+    world: Option<World>,
     plan: &FlightPlan,
     audience: Audience,
 ) -> Result<Evaluation, EvaluateError> {
@@ -205,57 +213,40 @@ fn fly_all<Q: Pilot>(
         ..
     } = *plan;
     let workers = NonZeroUsize::new(plan.workers).unwrap_or(NonZeroUsize::MIN);
-    let task = task.unwrap_or(origin.task);
-    let toy = Units::of_task(task);
-    let environment = match toy {
-        Some(_) => None,
-        None => {
-            tasks::single(task)?;
-            Some(environment::ensure(audience)?.with_engine(engine))
-        }
+    if !origin.declared {
+        return Err(EvaluateError::Undeclared);
+    }
+    let world = match world {
+        Some(world) => world,
+        None => World::of_task(origin.task)?,
     };
+    let task = world.task();
+    let world = world.ready(engine, audience)?;
     let progress = audience.start(&format!("fly {task}"), u64::from(episodes), "episodes");
     let seeds = episode_seeds(seed, episodes as usize);
     let landed = |_: &EpisodeReport| progress.advance(1);
-    let flight = match environment {
-        None => {
-            let plants = || Ok(vec![ToyPlant::in_units(toy.unwrap_or_default())]);
-            fly_with(
-                make_pilot,
-                plants,
-                &seeds,
-                workers,
-                interrupt::requested,
-                landed,
-            )
-        }
-        Some(environment) => {
-            let plants = abreast(episodes as usize, workers);
-            let plants =
-                || MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link);
-            fly_with(
-                make_pilot,
-                plants,
-                &seeds,
-                workers,
-                interrupt::requested,
-                landed,
-            )
-        }
-    }?;
+    let plants = abreast(episodes as usize, workers);
+    let flight = fly_with(
+        make_pilot,
+        || world.plants(plants, origin.period_us),
+        &seeds,
+        workers,
+        interrupt::requested,
+        landed,
+    )?;
     progress.finish();
     let summary = Summary::of(&flight.episodes);
     Ok(Evaluation {
-        task: task.to_owned(),
+        // The best return of one task's dataset measures no other task.
+        score: normalised_score(summary.return_mean, origin.return_max)
+            .filter(|_| task == origin.task),
+        task,
         numeric,
         engine,
         seed,
         returns: flight.episodes.iter().map(|e| e.return_true).collect(),
         return_mean: summary.return_mean,
         return_sd: summary.return_sd,
-        // The best return of one task's dataset measures no other task.
-        score: normalised_score(summary.return_mean, origin.return_max)
-            .filter(|_| task == origin.task),
         success: summary.success_rate,
         faulted: summary.faulted,
         faults: flight

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use firmware_sim::bridge::{Environment, State};
+use firmware_sim::bridge::State;
 use firmware_sim::controller::{Controller, Numeric};
 use firmware_sim::plant::{Observed, Plant, PlantError, StepOutcome};
-use firmware_sim::plants::metaworld::MetaWorldPlant;
-use firmware_sim::plants::toy::{ToyPlant, Units};
 use firmware_sim::rollout::{EpisodeError, EpisodeReport, FlyError, fly_episode};
+use firmware_sim::worlds::{AnyPlant, Ready};
 use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::evaluate::EvaluateError;
@@ -39,38 +38,23 @@ pub struct Moment {
 pub fn record(
     artefact: &Path,
     numeric: Numeric,
-    world: World<'_>,
+    world: &Ready,
     seed: u64,
 ) -> Result<Recording, EvaluateError> {
     let bytes = ArtifactBytes::read(artefact)?;
     let artifact = Artifact::parse(&bytes).map_err(EvaluateError::Artifact)?;
     let mut controller = Controller::load(&artifact, numeric).map_err(FlyError::Load)?;
-    match world {
-        World::Toy(units) => fly(&mut controller, ToyPlant::in_units(units), seed),
-        World::MetaWorld { environment, task } => {
-            let plant = MetaWorldPlant::new(environment, task).map_err(PlantError::link);
-            fly(&mut controller, plant.map_err(FlyError::NoPlant)?, seed)
-        }
+    let period_us = artifact.contract().control_period_us;
+    let mut plants = world.plants(1, period_us).map_err(FlyError::NoPlant)?;
+    match plants.pop() {
+        Some(plant) => fly(&mut controller, plant, seed),
+        None => Err(FlyError::NoPlant(PlantError::NoEpisode).into()),
     }
-}
-
-/// Where a flight is recorded.
-#[derive(Clone, Copy)]
-pub enum World<'a> {
-    /// On the toy, in these units.
-    Toy(Units),
-    /// In the simulator.
-    MetaWorld {
-        /// The simulator.
-        environment: &'a Environment,
-        /// Its task.
-        task: &'a str,
-    },
 }
 
 fn fly(
     controller: &mut Controller<'_>,
-    plant: impl Visible,
+    plant: AnyPlant,
     seed: u64,
 ) -> Result<Recording, EvaluateError> {
     let mut recorder = Recorder {
@@ -86,32 +70,15 @@ fn fly(
     })
 }
 
-/// A plant that can be drawn, if there is anything to draw.
-trait Visible: Plant {
-    fn state(&mut self) -> Result<Option<State>, PlantError>;
-}
-
-impl Visible for ToyPlant {
-    fn state(&mut self) -> Result<Option<State>, PlantError> {
-        Ok(None)
-    }
-}
-
-impl Visible for MetaWorldPlant {
-    fn state(&mut self) -> Result<Option<State>, PlantError> {
-        self.state().map(Some)
-    }
-}
-
 /// A plant that keeps what happens to it.
-struct Recorder<P> {
-    plant: P,
+struct Recorder {
+    plant: AnyPlant,
     /// The latest observation.
     seen: Vec<f32>,
     moments: Vec<Moment>,
 }
 
-impl<P: Visible> Plant for Recorder<P> {
+impl Plant for Recorder {
     fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
         self.moments.clear();
         self.plant.reset(seed)

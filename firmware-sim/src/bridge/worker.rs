@@ -391,10 +391,7 @@ impl Drop for Worker {
 fn command(environment: &Environment) -> Command {
     let mut command = Command::new(environment.python());
     settings(&mut command)
-        // Neither PYTHONPATH nor the user's own packages may change what is imported.
-        .arg("-Es")
-        .arg(environment.worker())
-        .arg(environment.engine().name())
+        .args(environment.arguments())
         .current_dir(environment.scratch())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -12,14 +12,12 @@ use super::device_report::DeviceReport;
 use super::fly::FlyArgs;
 use super::report::Report;
 use super::seat;
-use crate::bridge::environment;
 use crate::controller::Controller;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::plant::{Plant, PlantError};
 use crate::plants::fault::FaultInjector;
-use crate::plants::metaworld::MetaWorldPlant;
 use crate::plants::recorder::{Recorder, Shelf};
 use crate::plants::recording::{RecordingShape, Recordings};
 use crate::plants::replay::ReplayPlant;
@@ -29,6 +27,7 @@ use crate::rollout::{
     DeviceSummary, Flight, FlyError, Pilot, abreast, episode_seeds, fly, fly_episode, fly_with,
 };
 use crate::tasks;
+use crate::worlds::World;
 
 /// The report of a flight, and whether what was to be recorded of it was written.
 pub type Flown = (Report, Result<(), Failure>);
@@ -52,27 +51,30 @@ impl Crew<'_> {
         let untold = |_| {
             usage(&format_args!(
                 "the policy was made for {trained_for:?}, which is no Meta-World task: name another \
-                 --plant, or a --task"
+                 --plant, a --task, or a --world of your own"
             ))
         };
         let task = match &self.args.task {
             Some(task) => tasks::single(task).map_err(|error| usage(&error))?,
             None => tasks::single(trained_for).map_err(untold)?,
         };
-        let environment = environment::ensure(self.args.output.audience())
+        self.fly_in(World::MetaWorld(task))
+    }
+
+    pub fn fly_in(&self, world: World) -> Result<Flown, Failure> {
+        let world = world
+            .ready(self.args.engine, self.args.output.audience())
             .map_err(|error| Failure::new(error.exit_code(), error))?;
-        let environment = environment.with_engine(self.args.engine);
         // A device flies one plant at a time.
         let plants = match self.boards {
             None => abreast(self.args.episodes as usize, self.workers()),
             Some(_) => 1,
         };
-        let (report, recorded) = self.fly_many(|| {
-            MetaWorldPlant::several(&environment, task, plants).map_err(PlantError::link)
-        })?;
+        let period_us = self.artifact.terms().control_period_us;
+        let (report, recorded) = self.fly_many(|| world.plants(plants, period_us))?;
         let report = Report {
-            engine: Some(environment.engine()),
-            ..report.on_task(task)
+            engine: world.engine(),
+            ..report.on_task(&world.world().task())
         };
         Ok((report, recorded))
     }

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::plants::fault::FaultPlan;
 use crate::plants::toy::{ToyPlant, Units};
+use crate::worlds::{OwnWorld, World};
 use crate::{disk, interrupt};
 
 const EXAMPLES: &str = "\
@@ -25,6 +26,7 @@ Examples:
   firmware-sim toy toy.ted && firmware-sim fly toy.ted --plant toy --record flight.json
   firmware-sim fly toy.ted --plant replay --recording flight.json
   firmware-sim fly toy.ted --plant toy --on mps2-an386
+  firmware-sim fly policy.ted --world my_world.py --episodes 20
   firmware-sim fly policy.ted --task drawer-open-v3 --episodes 5 --on mps2-an505 --link uart --numeric integer
   firmware-sim fly policy.ted --task drawer-open-v3 --episodes 5 --on serial:/dev/ttyACM0 --numeric integer
 
@@ -44,6 +46,9 @@ pub struct FlyArgs {
     /// The Meta-World task; the one the policy was trained for if not given
     #[arg(long)]
     pub task: Option<String>,
+    /// A world of your own to fly in: a Python file with make(), reset() and step(), or gym: and the id of an environment
+    #[arg(long, value_name = "FILE|gym:ID", conflicts_with_all = ["task", "plant"])]
+    pub world: Option<OwnWorld>,
     /// How many episodes
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     pub episodes: u32,
@@ -104,20 +109,22 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         bytes: &bytes,
         boards: args.seat.boards(bytes.len(), args.output.audience())?,
     };
-    let (flight, recorded) = match args.plant {
-        PlantKind::Metaworld => crew.fly_metaworld()?,
-        PlantKind::Toy => {
+    let (flight, recorded) = match (args.plant, &args.world) {
+        (_, Some(own)) => crew.fly_in(World::Own(own.clone()))?,
+        (PlantKind::Metaworld, None) => crew.fly_metaworld()?,
+        (PlantKind::Toy, None) => {
             let units = Units::of_task(artifact.contract().task).unwrap_or_default();
             crew.fly_many(|| Ok(vec![ToyPlant::in_units(units)]))?
         }
-        PlantKind::Replay => (crew.fly_recording()?, Ok(())),
+        (PlantKind::Replay, None) => (crew.fly_recording()?, Ok(())),
     };
     let report = Report {
         policy: args.policy.display().to_string(),
-        plant: args
-            .plant
-            .to_possible_value()
-            .map_or_else(String::new, |value| value.get_name().to_owned()),
+        plant: match &args.world {
+            Some(own) => own.to_string(),
+            None => (args.plant.to_possible_value())
+                .map_or_else(String::new, |value| value.get_name().to_owned()),
+        },
         injected: args.fault.iter().map(FaultPlan::to_string).collect(),
         ..flight
     };

@@ -11,7 +11,7 @@ use firmware_sim::bridge::{
     environment,
 };
 use firmware_sim::plant::{Plant, PlantError};
-use firmware_sim::plants::metaworld::MetaWorldPlant;
+use firmware_sim::plants::simulated::SimulatedPlant;
 use firmware_sim::progress::Audience;
 use firmware_sim::tasks::TWO_INTENTIONS;
 
@@ -154,14 +154,14 @@ fn both_engines_are_told_apart_by_their_name_and_by_nothing_else() {
 #[test]
 fn plants_in_one_simulator_fly_what_each_flies_alone() {
     let alone = |seed, value| {
-        let mut plant = MetaWorldPlant::new(&ENVIRONMENT, "push-v3").expect("a plant");
+        let mut plant = SimulatedPlant::new(&ENVIRONMENT, "push-v3", 12_500).expect("a plant");
         plant.reset(seed).expect("an episode");
         let outcomes: Vec<_> = (0..5)
             .map(|_| plant.apply(&[value; 4]).expect("a step"))
             .collect();
         (outcomes, plant.observe().expect("an observation"))
     };
-    let mut plants = MetaWorldPlant::several(&ENVIRONMENT, "push-v3", 3).expect("plants");
+    let mut plants = SimulatedPlant::several(&ENVIRONMENT, "push-v3", 12_500, 3).expect("plants");
     let flown = [(5, 0.5), (6, -0.5), (7, 1.0)];
     for (plant, (seed, _)) in plants.iter_mut().zip(flown) {
         plant.reset(seed).expect("an episode");
@@ -337,7 +337,7 @@ fn the_speed_is_that_of_the_bridge_and_of_both_ways_inside_python() {
 
 #[test]
 fn the_plant_flies_the_episode_of_its_seed() {
-    let mut plant = MetaWorldPlant::new(&ENVIRONMENT, "reach-v3").expect("a plant");
+    let mut plant = SimulatedPlant::new(&ENVIRONMENT, "reach-v3", 12_500).expect("a plant");
     assert!(matches!(plant.observe(), Err(PlantError::NoEpisode)));
     plant.reset(5).expect("an episode");
     let first = plant.observe().expect("an observation");

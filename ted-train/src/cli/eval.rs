@@ -9,6 +9,7 @@ use firmware_sim::controller::Numeric;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
+use firmware_sim::worlds::{OwnWorld, World};
 use ted_policy::{Artifact, ArtifactBytes};
 
 use crate::config::Config;
@@ -27,11 +28,12 @@ Examples:
   ted eval runs/drawer-open-v3/true/seed-0 --episodes 200 --seed 7 --json
   ted eval runs/drawer-open-v3/true/seed-0 --numeric integer
   ted eval runs/drawer-open-v3/true/seed-0 --replay
+  ted eval runs/mine --world my_world.py
 
 The episodes are those of `firmware-sim fly` with the same seed, and so are the returns of an artefact, to the bit. A policy for
 sequences (oppo) is flown from here, behind the same checks. Exit code 7 when a check latched a fault.";
 
-/// Fly the policy of a run in Meta-World and report return, score and success; or show it the logs and move nothing
+/// Fly the policy of a run in its world, or in one of your own, and report return, score and success; or show it the logs and move nothing
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct EvalArgs {
@@ -46,6 +48,9 @@ pub(super) struct EvalArgs {
     /// The task; the one it was trained for if not given
     #[arg(long)]
     task: Option<String>,
+    /// A world of your own to fly in: a Python file with make(), reset() and step(), or gym: and the id of an environment
+    #[arg(long, value_name = "FILE|gym:ID", conflicts_with = "task")]
+    world: Option<OwnWorld>,
     /// In which numbers the policy computes
     #[arg(long, value_enum, default_value_t)]
     numeric: Numeric,
@@ -57,7 +62,7 @@ pub(super) struct EvalArgs {
     workers: Option<NonZeroUsize>,
     /// Show the recorded observations of the run's dataset to the controller instead of flying: how far its actions are from
     /// the recorded ones, whether it would have stopped, and how many episodes it puts in the top k %. Needs no simulator
-    #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers", "engine"])]
+    #[arg(long, conflicts_with_all = ["episodes", "seed", "task", "workers", "engine", "world"])]
     replay: bool,
     /// The dataset to replay, or that a sequence policy was learned from, if it is no longer where the run found it
     #[arg(long)]
@@ -94,7 +99,11 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         workers: workers(args.workers),
         engine: args.engine,
     };
-    let task = args.task.as_deref();
+    let world = match (&args.world, &args.task) {
+        (Some(own), _) => Some(World::Own(own.clone())),
+        (None, Some(task)) => Some(World::of_task(task).map_err(|e| end(EvaluateError::Task(e)))?),
+        (None, None) => None,
+    };
     let refuse = |why: &str| Err(Failure::new(ExitCode::Usage, why));
     let report = if config.algorithm.makes_networks() {
         if args.dataset.is_some() {
@@ -105,7 +114,7 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         let artefact = artefact_of(folder)?;
         evaluate(
             Flyer::Artefact(&artefact, args.numeric),
-            task,
+            world,
             &plan,
             audience,
         )
@@ -115,14 +124,16 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         }
         let dataset = dataset_of(folder, args.dataset.as_deref())?;
         match sequence_policy(folder, &dataset, audience).map_err(end)? {
-            Some(oppo) => evaluate(Flyer::Sequence(&oppo, &dataset), task, &plan, audience),
+            Some(oppo) => evaluate(Flyer::Sequence(&oppo, &dataset), world, &plan, audience),
             None => unreachable!("the algorithm makes no networks"),
         }
     }
     .map_err(end)?;
     // A run that was never flown is from now on.
-    let of_the_run =
-        args.task.is_none() && report.seed == config.seed && report.numeric == Numeric::F32;
+    let of_the_run = args.task.is_none()
+        && args.world.is_none()
+        && report.seed == config.seed
+        && report.numeric == Numeric::F32;
     if of_the_run && !folder.file(EVALUATION).exists() {
         folder.write_json(EVALUATION, &report).map_err(end)?;
     }

@@ -144,7 +144,9 @@ impl Ends for TrainError {
 impl Ends for EvaluateError {
     fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Load(_) | Self::Artifact(_) | Self::Contract(_) => ExitCode::BadInput,
+            Self::Load(_) | Self::Artifact(_) | Self::Contract(_) | Self::Undeclared => {
+                ExitCode::BadInput
+            }
             Self::Task(_) => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),

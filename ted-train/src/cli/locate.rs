@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
-use firmware_sim::plants::toy::Units;
-use firmware_sim::tasks;
+use firmware_sim::worlds::World;
 
 use crate::collect::NAMESPACE;
 use crate::config::Config;
@@ -144,7 +143,7 @@ pub(super) fn dataset_path(name: &str) -> PathBuf {
     let path = Path::new(name);
     if path.exists() {
         path.to_path_buf()
-    } else if tasks::single(name).is_ok() || Units::of_task(name).is_some() {
+    } else if World::of_task(name).is_ok() {
         datasets_root()
             .join(NAMESPACE)
             .join(format!("{name}-paper-s0-v0"))

@@ -5,10 +5,10 @@ use super::{CollectConfig, CollectError, EPISODE_STEPS, NAMESPACE, Recipe};
 use crate::dataset::minari::{Behaviour, DatasetId, Origin};
 use crate::rng::Seed;
 use firmware_sim::bridge::EpisodeJob;
-use firmware_sim::plants::metaworld;
 use firmware_sim::plants::toy::{self, Units};
 use firmware_sim::robot::Robot;
 use firmware_sim::tasks;
+use firmware_sim::worlds::metaworld;
 use std::path::PathBuf;
 
 const VISIBLE: &str = "visible, drawn per episode from its seed";

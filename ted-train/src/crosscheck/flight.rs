@@ -2,8 +2,9 @@
 
 use firmware_sim::bridge::Engine;
 use firmware_sim::progress::Audience;
+use firmware_sim::worlds::World;
 
-use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate};
+use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate};
 use crate::run::{EVALUATION, RunFolder};
 
 use super::CrosscheckError;
@@ -35,7 +36,7 @@ pub(super) fn fly_again(
     let episodes = episodes.min(u32::try_from(held.returns.len()).unwrap_or(episodes));
     let flown = evaluate(
         Flyer::Artefact(&folder.artefact_path(), held.numeric),
-        Some(&held.task),
+        Some(World::of_task(&held.task).map_err(EvaluateError::Task)?),
         &FlightPlan {
             episodes,
             seed: held.seed,

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use firmware_sim::bridge::Engine;
 use firmware_sim::controller::Numeric;
-use firmware_sim::plants::toy::Units;
+use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
-use firmware_sim::{interrupt, tasks};
+use firmware_sim::worlds::World;
 use serde::Serialize;
 
 use super::{Datasets, LaneError};
@@ -185,8 +185,7 @@ impl Begun<'_> {
         };
         let episodes = self.lane.config.schedule.evaluation_episodes;
         let task = self.dataset.task();
-        let simulated =
-            task.is_some_and(|task| tasks::single(task).is_ok() || Units::of_task(task).is_some());
+        let simulated = task.is_some_and(|task| World::of_task(task).is_ok());
         if episodes > 0 && !simulated {
             audience.note("not flown: the dataset is of no Meta-World task, and not of the toy");
         }

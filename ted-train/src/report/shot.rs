@@ -3,17 +3,15 @@
 use std::path::Path;
 
 use axum::body::Bytes;
-use firmware_sim::bridge::environment;
-use firmware_sim::plants::toy::Units;
 use firmware_sim::progress::Audience;
 use firmware_sim::rollout::episode_seed;
-use firmware_sim::tasks;
+use firmware_sim::worlds::World;
 
 use crate::ask::film::{NoFilm, Reel};
 use crate::ask::{Channels, ClipSource, Numbers, Picture};
 use crate::dataset::{Dataset, Segment};
 use crate::evaluate::Evaluation;
-use crate::recording::{Moment, Recording, World, record};
+use crate::recording::{Moment, Recording, record};
 
 /// A clip.
 pub(super) struct Shot {
@@ -99,22 +97,10 @@ impl<'a> Camera<'a> {
 
     fn fly(&self, flown: &Evaluation, artefact: &Path, place: usize) -> Option<Recording> {
         let seed = episode_seed(flown.seed, place as u64);
-        let task = flown.task.as_str();
-        let recorded = match Units::of_task(task) {
-            Some(units) => record(artefact, flown.numeric, World::Toy(units), seed),
-            None => {
-                tasks::single(task).ok()?;
-                // A simulator that is not there is not installed for a report.
-                let environment = environment::find().ok()??.with_engine(flown.engine);
-                let environment = &environment;
-                record(
-                    artefact,
-                    flown.numeric,
-                    World::MetaWorld { environment, task },
-                    seed,
-                )
-            }
-        };
+        // A simulator that is not there is not installed for a report.
+        let world = World::of_task(&flown.task).ok()?;
+        let world = world.ready_if_installed(flown.engine).ok()??;
+        let recorded = record(artefact, flown.numeric, &world, seed);
         let missed = |error| {
             self.audience
                 .note(&format!("the report shows no flight: {error}"))

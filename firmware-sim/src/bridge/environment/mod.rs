@@ -12,6 +12,7 @@ mod sources;
 mod stamp;
 
 use std::env;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 pub use checks::{Check, diagnose};
@@ -36,6 +37,8 @@ pub struct Environment {
     /// Whether this program installed it, in the folder `scratch`.
     ours: bool,
     engine: Engine,
+    /// The world of one's own that the worker plays, instead of Meta-World on an engine.
+    own: Option<OsString>,
 }
 
 impl Environment {
@@ -48,6 +51,31 @@ impl Environment {
             scratch: scratch.to_owned(),
             ours: false,
             engine: Engine::default(),
+            own: None,
+        }
+    }
+
+    /// The interpreter of whoever calls, with the worker for a world of one's own; `world` is a Python file or `gym:` and the id of an
+    /// environment. The worker starts in `folder`.
+    ///
+    /// # Errors
+    /// When the worker's files cannot be written into the cache folder.
+    pub fn own(world: &OsStr, folder: &Path) -> Result<Self, SetupError> {
+        let python = set(PYTHON_VARIABLE).unwrap_or_else(|| "python3".into());
+        let worker = sources::write_own(&cache()?)?.join(sources::OWN_WORKER);
+        Ok(Self {
+            own: Some(world.to_owned()),
+            ..Self::custom(&python, &worker, folder)
+        })
+    }
+
+    /// What the worker is started with. Neither `PYTHONPATH` nor the user's own packages may change what Meta-World imports; a world of
+    /// one's own may need them.
+    pub(super) fn arguments(&self) -> Vec<OsString> {
+        let worker = self.worker.clone().into_os_string();
+        match &self.own {
+            Some(world) => vec![worker, world.clone()],
+            None => vec!["-Es".into(), worker, self.engine.name().into()],
         }
     }
 
@@ -145,14 +173,17 @@ pub fn location() -> Result<PathBuf, SetupError> {
         return std::path::absolute(&named)
             .map_err(|source| SetupError::storage("find", &named, source));
     }
+    Ok(cache()?.join(format!("metaworld-{}", &sources::lock_digest()[..16])))
+}
+
+/// This program's folder in the user's cache.
+fn cache() -> Result<PathBuf, SetupError> {
     let cache = match (set("XDG_CACHE_HOME"), set("HOME")) {
         (Some(cache), _) if cache.is_absolute() => cache,
         (_, Some(home)) => home.join(".cache"),
         _ => return Err(SetupError::NoHome),
     };
-    Ok(cache
-        .join("ted")
-        .join(format!("metaworld-{}", &sources::lock_digest()[..16])))
+    Ok(cache.join("ted"))
 }
 
 /// Whether the environment is complete and made from this program's requirements.

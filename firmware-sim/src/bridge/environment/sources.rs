@@ -48,6 +48,23 @@ const FILES: [(&str, &str); 18] = carried!(
     "worker.py",
 );
 
+/// The script of the worker for a world of one's own.
+pub(super) const OWN_WORKER: &str = "own_worker.py";
+
+/// The files of that worker, which needs no package.
+const OWN_FILES: [(&str, &str); 4] = [
+    (OWN_WORKER, include_str!("../../../own-world/own_worker.py")),
+    (
+        "messages.py",
+        include_str!("../../../metaworld-bridge/messages.py"),
+    ),
+    (
+        "parent.py",
+        include_str!("../../../metaworld-bridge/parent.py"),
+    ),
+    ("wire.py", include_str!("../../../metaworld-bridge/wire.py")),
+];
+
 /// The digest of the locked requirements, which names the environment made from them.
 pub(super) fn lock_digest() -> String {
     let lock = FILES.iter().filter(|(name, _)| *name == REQUIREMENTS);
@@ -77,15 +94,24 @@ pub(super) fn locked_packages() -> u64 {
 ///
 /// A program of another version finds its own files untouched, and a reader never sees half of them.
 pub(super) fn write(venv: &Path) -> Result<PathBuf, SetupError> {
+    put(folder(venv), &FILES)
+}
+
+/// The same of the worker for a world of one's own, in the cache folder.
+pub(super) fn write_own(cache: &Path) -> Result<PathBuf, SetupError> {
+    let name = format!("own-world-{}", &digest(OWN_FILES.iter())[..16]);
+    put(cache.join(name), &OWN_FILES)
+}
+
+fn put(folder: PathBuf, files: &[(&str, &str)]) -> Result<PathBuf, SetupError> {
     /// Tells the threads of this process apart.
     static NEXT: AtomicU64 = AtomicU64::new(0);
-    let folder = folder(venv);
     if folder.is_dir() {
         return Ok(folder);
     }
     let writer = (process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
     let beside = folder.with_extension(format!("{}-{}", writer.0, writer.1));
-    if let Err(error) = write_new(&beside).and_then(|()| disk::rename(&beside, &folder)) {
+    if let Err(error) = write_new(&beside, files).and_then(|()| disk::rename(&beside, &folder)) {
         // What was begun would keep space. It may be gone already, or never have come to exist.
         fs::remove_dir_all(&beside).ok();
         // If the folder is there, somebody else was faster, with the same files.
@@ -101,9 +127,9 @@ pub(super) fn folder(venv: &Path) -> PathBuf {
     venv.join(format!("bridge-{}", &digest(FILES.iter())[..16]))
 }
 
-fn write_new(folder: &Path) -> Result<(), WriteError> {
+fn write_new(folder: &Path, files: &[(&str, &str)]) -> Result<(), WriteError> {
     disk::create_folder(folder)?;
-    for (name, text) in FILES {
+    for (name, text) in files {
         Disk::REAL.write(&folder.join(name), text.as_bytes())?;
     }
     disk::sync_folder(folder)

@@ -1,21 +1,14 @@
-//! A task of MuJoCo Meta-World as a plant: one simulator process, several episodes of one task side by side.
+//! A task of a simulator process as a plant: several episodes of one task side by side.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::bridge::{BridgeError, Environment, Move, Shape, State, Step, Worker};
 use crate::plant::{Observed, Plant, PlantError, StepOutcome};
-use crate::robot::Robot;
 
-/// The robot of all its tasks.
-#[must_use]
-pub fn robot() -> Robot {
-    Robot::parse(include_str!("../../metaworld-bridge/robot.toml")).expect("a test reads it")
-}
-
-/// One Meta-World task, simulated by a worker process that ends with the last of the plants made with this one.
+/// One task, simulated by a worker process that ends with the last of the plants made with this one.
 #[derive(Debug)]
-pub struct MetaWorldPlant {
+pub struct SimulatedPlant {
     shared: Rc<RefCell<Shared>>,
     slot: u16,
     shape: Shape,
@@ -28,14 +21,14 @@ pub struct MetaWorldPlant {
     running: bool,
 }
 
-impl MetaWorldPlant {
-    /// Starts a simulator and opens the task in it.
+impl SimulatedPlant {
+    /// Starts a simulator and opens the task in it, whose steps take `period_us` of simulated time.
     ///
     /// # Errors
     /// When the simulator does not start or has no such task.
-    pub fn new(environment: &Environment, task: &str) -> Result<Self, BridgeError> {
+    pub fn new(environment: &Environment, task: &str, period_us: u32) -> Result<Self, BridgeError> {
         let (shared, shape) = Shared::open(environment, task)?;
-        Ok(Self::in_slot(&shared, shape, 0))
+        Ok(Self::in_slot(&shared, shape, period_us, 0))
     }
 
     /// Several plants in one simulator. Steps that are announced are made together, which saves most of the way there and back.
@@ -45,20 +38,21 @@ impl MetaWorldPlant {
     pub fn several(
         environment: &Environment,
         task: &str,
+        period_us: u32,
         plants: u16,
     ) -> Result<Vec<Self>, BridgeError> {
         let (shared, shape) = Shared::open(environment, task)?;
         Ok((0..plants)
-            .map(|slot| Self::in_slot(&shared, shape, slot))
+            .map(|slot| Self::in_slot(&shared, shape, period_us, slot))
             .collect())
     }
 
-    fn in_slot(shared: &Rc<RefCell<Shared>>, shape: Shape, slot: u16) -> Self {
+    fn in_slot(shared: &Rc<RefCell<Shared>>, shape: Shape, period_us: u32, slot: u16) -> Self {
         Self {
             shared: Rc::clone(shared),
             slot,
             shape,
-            period_us: robot().period_us,
+            period_us,
             latest: Step::default(),
             steps: None,
             running: false,
@@ -69,15 +63,6 @@ impl MetaWorldPlant {
     #[must_use]
     pub const fn shape(&self) -> Shape {
         self.shape
-    }
-
-    /// The simulator's state, as far as it can be seen: something to draw.
-    ///
-    /// # Errors
-    /// When no episode is running, or the simulator fails.
-    pub fn state(&mut self) -> Result<State, PlantError> {
-        let state = self.shared.borrow_mut().worker.state(self.slot);
-        state.map_err(PlantError::link)
     }
 
     /// Steps made so far, if this action can be the next one.
@@ -95,7 +80,7 @@ impl MetaWorldPlant {
     }
 }
 
-impl Plant for MetaWorldPlant {
+impl Plant for SimulatedPlant {
     fn reset(&mut self, seed: u64) -> Result<(), PlantError> {
         (self.steps, self.running) = (None, false);
         let reset = self.shared.borrow_mut().reset(self.slot, seed);
@@ -137,6 +122,14 @@ impl Plant for MetaWorldPlant {
             success: self.latest.success,
             done,
         })
+    }
+
+    fn state(&mut self) -> Result<Option<State>, PlantError> {
+        if self.shape.qpos == 0 {
+            return Ok(None);
+        }
+        let state = self.shared.borrow_mut().worker.state(self.slot);
+        state.map(Some).map_err(PlantError::link)
     }
 }
 
