@@ -9,6 +9,7 @@
 mod assemble;
 mod clip;
 mod digest;
+mod ends;
 mod error;
 #[cfg(test)]
 pub(crate) mod fixtures;

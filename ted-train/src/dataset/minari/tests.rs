@@ -90,14 +90,14 @@ fn tree(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Rewrites a JSON file.
-fn edit(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
+pub(super) fn edit(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
     let mut value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
     change(&mut value);
     fs::write(path, serde_json::to_vec(&value).unwrap()).unwrap();
 }
 
 /// Replaces an episode by one whose file and metadata agree with each other.
-fn replace_episode(
+pub(super) fn replace_episode(
     data: &Path,
     episode: u32,
     record: &EpisodeRecord,
@@ -388,7 +388,7 @@ fn columns_of_the_wrong_width_or_with_nan_are_named() {
     replace_episode(&data, 2, &record, narrow);
     let text = refusal(&folder);
     assert!(
-        text.contains("data/2/part-0.arrow: expected lists of 4 floats"),
+        text.contains("data/2/part-0.arrow: expected lists of 4 numbers"),
         "{text}"
     );
 
