@@ -2,6 +2,7 @@
 
 use super::digest::{EpisodeArrays, combine};
 use super::ends::check_ends;
+use super::glitches::mend;
 use super::in_memory::{Dataset, Episode};
 use super::record::check_values;
 use super::{DatasetError, EpisodeRecord, Shape};
@@ -95,6 +96,7 @@ pub(super) fn assemble(
         episodes.push(episode);
         hashes.push(hash);
     }
+    let glitches = mend(&mut observations, shape.observation, &episodes);
     let (actions, actions_env) = in_unit(&robot, actions);
     Ok(Dataset {
         id: id.into(),
@@ -105,6 +107,7 @@ pub(super) fn assemble(
         episodes,
         row_of_step,
         observations,
+        glitches,
         actions,
         actions_env,
         rewards_true,

@@ -47,6 +47,13 @@ impl<'a> Prepared<'a> {
         audience: Audience,
     ) -> Result<Self, TrainError> {
         check(dataset, config)?;
+        let glitches = dataset.glitches().len();
+        if glitches > 0 {
+            audience.note(&format!(
+                "{glitches} values of observations are far from all others, and what is usual there is learned from instead: `ted check` \
+                 names them"
+            ));
+        }
 
         // Phase 1 and 2: a reward for each transition.
         let work = Work {
