@@ -50,8 +50,8 @@ impl<'a> Prepared<'a> {
         let glitches = dataset.glitches().len();
         if glitches > 0 {
             audience.note(&format!(
-                "{glitches} values of observations are far from all others, and what is usual there is learned from instead: `ted check` \
-                 names them"
+                "glitches, single values of observations far from all others: {glitches}. What is usual there is learned from instead, and \
+                 `ted check` names them"
             ));
         }
 

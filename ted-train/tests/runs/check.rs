@@ -53,7 +53,7 @@ fn a_run_on_logs_with_a_glitch_says_so_and_its_report_too_and_a_controller_is_sh
     let dataset = write(desk.folder.path(), "glitch", &logs);
     finish(&mut desk.train_on(&dataset, "run", "bc", &["algorithm.steps=20"]))
         .with(0)
-        .telling("1 values of observations are far from all others");
+        .telling("far from all others: 1. What is usual there is learned from instead");
     let page = fs::read_to_string(desk.run("run/report.html")).unwrap();
     assert!(page.contains("What the logs are like"));
     assert!(page.contains("1 glitch: the first is 1.000e6 in "));
