@@ -52,6 +52,12 @@ impl FilterConfig {
         }
     }
 
+    /// Whether it looks at the dataset's own rewards.
+    #[must_use]
+    pub fn looks_at_rewards(&self) -> bool {
+        matches!(self, Self::TopTrue { .. })
+    }
+
     /// The transitions of the episodes that are kept. `returns_hat` are the predicted returns of all episodes.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ pub mod algorithm;
 pub mod answers;
 pub mod ask;
 pub mod bench;
+pub mod check;
 pub mod checkpoint;
 pub mod cli;
 pub mod collect;

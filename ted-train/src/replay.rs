@@ -85,7 +85,7 @@ pub fn replay(
             return Err(FlyError::Interrupted { flown: number }.into());
         }
         let seed = number as u64;
-        let recording = recording(dataset, episode, seed);
+        let recording = recording(dataset, number, episode);
         if let (Some(scorer), Some(in_top_k)) = (&mut scorer, &mut replayed.in_top_k) {
             let place = u32::try_from(number).unwrap_or(NEW_EPISODE);
             let verdict = score_recording(scorer, shape, &recording, place)?;
@@ -109,14 +109,13 @@ pub fn replay(
     Ok(replayed)
 }
 
-fn recording(dataset: &Dataset, episode: &Episode, seed: u64) -> Recording {
+fn recording(dataset: &Dataset, number: usize, episode: &Episode) -> Recording {
     let steps = episode.first_step..episode.first_step + episode.len;
-    let (observation, action) = (dataset.observation_dim(), dataset.action_dim());
-    let first_row = dataset.observations_row(episode.first_step);
-    let rows = first_row * observation..(first_row + episode.len + 1) * observation;
+    let action = dataset.action_dim();
     Recording {
-        seed,
-        observations: dataset.observations()[rows].to_vec(),
+        seed: number as u64,
+        // What the robot saw, and a controller would have.
+        observations: dataset.observations_recorded(number),
         actions: dataset.actions_env()[steps.start * action..steps.end * action].to_vec(),
         rewards: dataset.rewards_true()[steps.clone()]
             .iter()

@@ -38,9 +38,6 @@ pub struct Replay<'a> {
     answers: Vec<LabelledPair>,
 }
 
-/// Added to the standard deviation of a channel, so that a constant one becomes zero instead of noise.
-const STD_FLOOR: f32 = 1e-3;
-
 /// The log-likelihood of an action at the edge of the range stays finite (`dataset_utils.py` of the original).
 const ACTION_LIMIT: f32 = 1.0 - 1e-5;
 
@@ -49,11 +46,9 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn new(dataset: &'a Dataset, rewards: Vec<f32>, discounts: Vec<f32>) -> Self {
         let statistics = dataset.observation_statistics();
-        let scale = statistics
-            .std
-            .iter()
-            .map(|std| 1.0 / (std + STD_FLOOR))
-            .collect();
+        // The floor is added, so that a constant channel becomes zero instead of noise.
+        let deviations = statistics.std.iter().zip(&statistics.floor);
+        let scale = deviations.map(|(std, floor)| 1.0 / (std + floor)).collect();
         Self {
             dataset,
             shift: statistics.mean,

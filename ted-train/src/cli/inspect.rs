@@ -295,7 +295,10 @@ fn run_text(run: &RunText) -> String {
             )
         });
         let quality = reward.quality.as_ref().map_or_else(
-            || "no reward: the policy is learned without one".to_owned(),
+            || match run.config.reward.is_none() {
+                true => "no reward: the policy is learned without one".to_owned(),
+                false => "Pearson -, Spearman -: the logs have no rewards".to_owned(),
+            },
             |it| {
                 format!(
                     "Pearson {:.3}, Spearman {:.3} with true returns",
@@ -339,7 +342,7 @@ fn run_text(run: &RunText) -> String {
     lines.join("\n")
 }
 
-fn dataset_text(dataset: &DatasetText) -> String {
+pub(super) fn dataset_text(dataset: &DatasetText) -> String {
     let origin = dataset.origin.as_ref().map_or_else(
         || "not recorded by this program".to_owned(),
         |origin| {
@@ -356,13 +359,17 @@ fn dataset_text(dataset: &DatasetText) -> String {
             )
         },
     );
+    let returns = dataset.returns.map_or_else(
+        || "- (no rewards)".to_owned(),
+        |it| format!("mean {:.1}, from {:.1} to {:.1}", it.mean, it.min, it.max),
+    );
     format!(
         "dataset   {id} at {path}\n\
          digest    {digest}\n\
          origin    {origin}\n\
          episodes  {episodes} of {shortest} to {longest} steps, {steps} in all; {terminations} end the task, {truncations} only the recording\n\
          shape     observation {observation}, action {action}\n\
-         return    mean {mean:.1}, from {min:.1} to {max:.1}\n\
+         return    {returns}\n\
          success   {success:.3}",
         id = dataset.id,
         path = dataset.path.display(),
@@ -375,9 +382,6 @@ fn dataset_text(dataset: &DatasetText) -> String {
         truncations = dataset.truncations,
         observation = dataset.observation_dim,
         action = dataset.action_dim,
-        mean = dataset.return_mean,
-        min = dataset.return_min,
-        max = dataset.return_max,
         success = dataset.success,
     )
 }

@@ -3,6 +3,7 @@
 mod answers;
 mod ask;
 mod bench;
+mod check;
 mod collect;
 mod crosscheck;
 mod doctor;
@@ -34,6 +35,7 @@ A first run, all of it at reduced size:
 
 The same step by step:
   ted collect --task drawer-open-v3
+  ted check drawer-open-v3                what is odd about the logs, before a day is spent on them
   ted ask drawer-open-v3                  your own answers, on a page; leave it out and the true rewards answer
   ted train drawer-open-v3 --seed 0
   ted report runs/drawer-open-v3/steer/seed-0
@@ -56,6 +58,7 @@ enum Command {
     Quickstart(quickstart::QuickstartArgs),
     Doctor(doctor::DoctorArgs),
     Collect(collect::CollectArgs),
+    Check(check::CheckArgs),
     Ask(ask::AskArgs),
     Train(train::TrainArgs),
     Answers(answers::AnswersArgs),
@@ -83,6 +86,7 @@ pub fn run() -> ExitCode {
         Command::Quickstart(args) => quickstart::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Collect(args) => collect::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Ask(args) => ask::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Answers(args) => answers::run(&args),

@@ -1,6 +1,8 @@
 //! Builds the contiguous arrays from episodes that arrive in any order, in parallel, each into its own place.
 
 use super::digest::{EpisodeArrays, combine};
+use super::ends::check_ends;
+use super::glitches::mend;
 use super::in_memory::{Dataset, Episode};
 use super::record::check_values;
 use super::{DatasetError, EpisodeRecord, Shape};
@@ -94,6 +96,7 @@ pub(super) fn assemble(
         episodes.push(episode);
         hashes.push(hash);
     }
+    let glitches = mend(&mut observations, shape.observation, &episodes);
     let (actions, actions_env) = in_unit(&robot, actions);
     Ok(Dataset {
         id: id.into(),
@@ -104,6 +107,7 @@ pub(super) fn assemble(
         episodes,
         row_of_step,
         observations,
+        glitches,
         actions,
         actions_env,
         rewards_true,
@@ -169,6 +173,7 @@ fn finish(
     }
     let (observations, actions) = (&*slots.observations, &*slots.actions);
     check_values(&filled.place, robot, observations, actions, rewards_f32)?;
+    check_ends(&filled.place, slots.terminations, slots.truncations)?;
     let hash = EpisodeArrays {
         observations: slots.observations,
         actions: slots.actions,
@@ -281,6 +286,35 @@ mod tests {
         let wider = Dataset::of_robot("ted/x-v0", wider, &ranged).unwrap();
         assert_ne!(dataset.digest(), wider.digest());
         assert!(wider.actions().iter().all(|action| *action <= 0.0));
+    }
+
+    #[test]
+    fn an_end_inside_of_an_episode_is_named_with_its_place_and_what_it_means() {
+        let text = error(|r| {
+            r.truncations[4] = true;
+            r.terminations[2] = true;
+        });
+        let place = "episode 1 has a termination at step 2 of 6, and goes on";
+        assert!(text.starts_with(place), "{text}");
+        assert!(
+            text.contains("two recordings in one: `ted import`"),
+            "{text}"
+        );
+        let text = error(|r| {
+            r.terminations[5] = false;
+            r.truncations[3] = true;
+        });
+        let place = "episode 1 has a truncation at step 3 of 6, and goes on";
+        assert!(text.starts_with(place), "{text}");
+        assert!(text.contains("not in the order of time"), "{text}");
+    }
+
+    #[test]
+    fn an_episode_whose_last_step_has_no_flag_is_one_whose_recording_ends_there() {
+        let mut records = records(&[4, 6, 5]);
+        records[1].terminations[5] = false;
+        let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records).unwrap();
+        assert!(!dataset.terminations()[9] && !dataset.truncations()[9]);
     }
 
     #[test]

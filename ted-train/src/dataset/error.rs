@@ -52,9 +52,9 @@ pub enum DatasetError {
         /// The format its metadata names.
         format: String,
     },
-    /// An observation or action space that is not a flat box of floats.
+    /// An observation or action space that is not a flat box.
     #[error(
-        "{space} of {path} is {actual}, expected a Box of float32 or float64 with one dimension; flatten the space first"
+        "{space} of {path} is {actual}, expected a Box with one dimension; flatten the space first"
     )]
     Space {
         /// The metadata file.
@@ -162,6 +162,20 @@ pub enum DatasetError {
         /// The dataset's.
         recorded: Shape,
     },
+    /// An end inside of an episode.
+    #[error("{place} has {flag} at step {step} of {steps}, and goes on; {}", way_out_of_an_end(*ends))]
+    EndInside {
+        /// The file or episode.
+        place: String,
+        /// `a termination` or `a truncation`.
+        flag: &'static str,
+        /// Step inside the episode, from 0.
+        step: usize,
+        /// Steps of the episode.
+        steps: usize,
+        /// Whether its last step has a flag too.
+        ends: bool,
+    },
     /// An episode without a single step.
     #[error("{place} has no steps; leave the episode out of the dataset")]
     EmptyEpisode {
@@ -194,6 +208,17 @@ pub enum DatasetError {
         /// What is wrong with it.
         reason: &'static str,
     },
+}
+
+/// What to do about an end inside of an episode.
+fn way_out_of_an_end(last_step_has_one: bool) -> &'static str {
+    match last_step_has_one {
+        true => "it is two recordings in one: `ted import` cuts them there",
+        false => {
+            "its last step has none, so its rows are not in the order of time, as a writer with threads leaves them: write them again in \
+             order, or, if another recording follows there, let `ted import` cut it off"
+        }
+    }
 }
 
 /// What to do about a column that is missing.

@@ -1,7 +1,7 @@
 //! A dataset in memory: every array contiguous over all episodes, with the maps between steps, rows and episodes.
 
 use super::minari::Origin;
-use super::{DatasetError, EpisodeRecord, ObservationStatistics, Shape, assemble};
+use super::{DatasetError, EpisodeRecord, Glitch, ObservationStatistics, Shape, assemble};
 use firmware_sim::robot::Robot;
 use std::path::Path;
 
@@ -32,6 +32,7 @@ pub struct Dataset {
     pub(super) episodes: Vec<Episode>,
     pub(super) row_of_step: Vec<u32>,
     pub(super) observations: Vec<f32>,
+    pub(super) glitches: Vec<Glitch>,
     /// In [-1, 1].
     pub(super) actions: Vec<f32>,
     /// As recorded, where that is not the same.
@@ -165,10 +166,32 @@ impl Dataset {
         row(&self.actions, step, self.shape.action)
     }
 
-    /// All observations, `(steps + episodes) x observation_dim`, row-major.
+    /// All observations, `(steps + episodes) x observation_dim`, row-major: those that are learned from, with the usual value in
+    /// place of each glitch.
     #[must_use]
     pub fn observations(&self) -> &[f32] {
         &self.observations
+    }
+
+    /// The values of observations that nothing is learned from, in recorded order.
+    #[must_use]
+    pub fn glitches(&self) -> &[Glitch] {
+        &self.glitches
+    }
+
+    /// The observations of an episode as they were recorded, glitches and all, `(steps + 1) x observation_dim`.
+    #[must_use]
+    pub fn observations_recorded(&self, episode: usize) -> Vec<f32> {
+        let width = self.shape.observation;
+        let Episode {
+            first_step, len, ..
+        } = self.episodes[episode];
+        let first = (first_step + episode) * width;
+        let mut recorded = self.observations[first..first + (len + 1) * width].to_vec();
+        for glitch in self.glitches.iter().filter(|it| it.episode == episode) {
+            recorded[glitch.step * width + glitch.channel] = glitch.value;
+        }
+        recorded
     }
 
     /// All actions, in [-1, 1], `steps x action_dim`, row-major.
@@ -239,10 +262,19 @@ impl Dataset {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Mean, standard deviation and range of every observation dimension over all rows.
+    /// Mean, standard deviation and range of every observation dimension over all rows, with the usual value in place of each
+    /// glitch, and the deviation that each has at least.
     #[must_use]
     pub fn observation_statistics(&self) -> ObservationStatistics {
-        ObservationStatistics::of(&self.observations, self.shape.observation)
+        ObservationStatistics::of(&self.observations, self.shape.observation, |channel| {
+            self.resolution(channel)
+        })
+    }
+
+    /// The smallest difference that means anything in an observation channel, in its unit; none where nobody declared one.
+    #[must_use]
+    pub fn resolution(&self, channel: usize) -> Option<f32> {
+        self.robot.observation.get(channel)?.resolution
     }
 }
 

@@ -9,9 +9,11 @@
 mod assemble;
 mod clip;
 mod digest;
+mod ends;
 mod error;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod glitches;
 mod in_memory;
 pub mod minari;
 mod record;
@@ -20,6 +22,7 @@ mod statistics;
 
 pub use clip::Clip;
 pub use error::DatasetError;
+pub use glitches::Glitch;
 pub use in_memory::{Dataset, Episode};
 pub use record::{EpisodeRecord, InfoColumn, Shape};
 pub use segment::{Segment, SegmentError, SegmentSampler};

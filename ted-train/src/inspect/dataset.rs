@@ -28,12 +28,8 @@ pub struct DatasetText {
     pub observation_dim: usize,
     /// Numbers in an action.
     pub action_dim: usize,
-    /// Mean true return.
-    pub return_mean: f64,
-    /// Smallest true return.
-    pub return_min: f64,
-    /// Largest true return: what scores are normalised by.
-    pub return_max: f64,
+    /// True returns; none where there are no rewards.
+    pub returns: Option<Returns>,
     /// Share of episodes with success at some step.
     pub success: f64,
     /// Steps at which the task ended.
@@ -42,8 +38,20 @@ pub struct DatasetText {
     pub truncations: usize,
 }
 
+/// What the episodes of a dataset are worth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Returns {
+    /// Mean true return.
+    pub mean: f64,
+    /// Smallest true return.
+    pub min: f64,
+    /// Largest true return: what scores are normalised by.
+    pub max: f64,
+}
+
 impl DatasetText {
-    pub(super) fn new(path: &Path, dataset: &Dataset) -> Self {
+    /// Of the dataset at `path`.
+    pub(crate) fn new(path: &Path, dataset: &Dataset) -> Self {
         let episodes = dataset.episodes();
         let lengths = || episodes.iter().map(|episode| episode.len);
         let returns = || episodes.iter().map(|episode| episode.return_true);
@@ -62,9 +70,11 @@ impl DatasetText {
             ],
             observation_dim: dataset.observation_dim(),
             action_dim: dataset.action_dim(),
-            return_mean: dataset.mean_return_true(),
-            return_min: returns().fold(f64::INFINITY, f64::min),
-            return_max: dataset.max_return_true(),
+            returns: dataset.only_reward().is_none().then(|| Returns {
+                mean: dataset.mean_return_true(),
+                min: returns().fold(f64::INFINITY, f64::min),
+                max: dataset.max_return_true(),
+            }),
             success: solved as f64 / episodes.len().max(1) as f64,
             terminations: set(dataset.terminations()),
             truncations: set(dataset.truncations()),

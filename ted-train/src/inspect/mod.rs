@@ -9,7 +9,7 @@ pub use artefact::{
     ActionText, ArtefactText, ChannelText, ContractText, GoldenText, GoldenVector, LayerText,
     NetworkText, ProvenanceText, RewardText, TedText,
 };
-pub use dataset::DatasetText;
+pub use dataset::{DatasetText, Returns};
 pub use look::{DescriptorText, LookText, look};
 pub use run::RunText;
 

@@ -6,6 +6,7 @@ use firmware_sim::progress::Audience;
 use serde_json::{Map, Value};
 
 use crate::ask::Channels;
+use crate::check::Check;
 use crate::config::{Config, Preset};
 use crate::dataset::{Dataset, Segment};
 use crate::evaluate::Evaluation;
@@ -36,6 +37,8 @@ pub(super) struct Facts {
     pub curves: Vec<Curve>,
     pub clone: Option<Evaluation>,
     pub integers: Option<QuantisationReport>,
+    /// What the logs are like.
+    pub check: Check,
     /// Episodes of the dataset.
     pub episodes: usize,
     /// Names of the actions' channels.
@@ -114,6 +117,7 @@ impl Facts {
             asked,
             predicted: predicted(folder, dataset, &mut camera, &run, audience)?,
             curves: curves(&folder.file("metrics.jsonl")),
+            check: Check::of(dataset, at),
             episodes: dataset.episodes().len(),
             actions: channels.actions,
             verdict,

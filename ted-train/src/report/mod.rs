@@ -3,6 +3,7 @@
 mod clip;
 mod facts;
 mod figures;
+mod logs;
 mod page;
 mod shot;
 pub mod study;

@@ -7,6 +7,7 @@ use super::ReportError;
 use super::clip::{clips, legend};
 use super::facts::{Asked, Curve, Facts, Predicted};
 use super::figures;
+use super::logs;
 use super::shot::{Flown, Shot};
 use crate::evaluate::Evaluation;
 use crate::preferences::Answer;
@@ -37,6 +38,7 @@ pub(super) fn page(facts: &Facts) -> Result<Markup, ReportError> {
         @if let Some(predicted) = &facts.predicted { (predictions(facts, predicted)?) }
         @if !facts.curves.is_empty() { (curves(&facts.curves)?) }
         @if let Some(integers) = &facts.integers { (quantisation(integers, &facts.actions)) }
+        (logs::logs(&facts.check))
         (provenance(facts))
     };
     Ok(sheet(&title, &body))

@@ -35,10 +35,10 @@ impl Computed<'_> {
         }
     }
 
-    /// Whether it is the dataset's own rewards, of whatever sign.
+    /// Whether it comes from the dataset's own rewards: it is them, of whatever sign, or it takes the best episodes for experts.
     #[must_use]
-    pub fn is_the_truth(self) -> bool {
-        matches!(self, Self::True | Self::Negative)
+    pub fn looks_at_rewards(self) -> bool {
+        matches!(self, Self::True | Self::Negative | Self::Transport(_))
     }
 
     /// The raw reward of each transition.

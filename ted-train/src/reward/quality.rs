@@ -35,9 +35,12 @@ pub struct RewardQuality {
 }
 
 impl RewardQuality {
-    /// Measures labels against the dataset's own rewards.
+    /// Measures labels against the dataset's own rewards; none where these are all the same, and nothing goes with them.
     #[must_use]
-    pub fn measure(dataset: &Dataset, labels: &Labels) -> Self {
+    pub fn measure(dataset: &Dataset, labels: &Labels) -> Option<Self> {
+        if dataset.only_reward().is_some() {
+            return None;
+        }
         let hat: Vec<f64> = labels.returns_hat.iter().copied().map(f64::from).collect();
         let truth: Vec<f64> = dataset.episodes().iter().map(|e| e.return_true).collect();
         let ranking = ranking(&hat);
@@ -60,7 +63,7 @@ impl RewardQuality {
             .collect();
         let decile = &ranking[..hat.len().div_ceil(10)];
         let mean_true = mean(&truth);
-        Self {
+        Some(Self {
             pearson: pearson(&hat, &truth),
             spearman: spearman(&hat, &truth),
             pearson_low_third: pearson_of(low),
@@ -72,7 +75,7 @@ impl RewardQuality {
             transition_pearson: pearson(&rewards_hat, &rewards_true),
             best_kept: best_kept(&hat, &truth, 0.05, 0.7),
             top_decile_lift: (mean_true != 0.0).then(|| mean(&pick(&truth, decile)) / mean_true),
-        }
+        })
     }
 }
 
@@ -136,7 +139,7 @@ mod tests {
             record.rewards = vec![reward];
         }
         let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records).unwrap();
-        RewardQuality::measure(&dataset, &Labels::raw(&dataset, hat.to_vec()))
+        RewardQuality::measure(&dataset, &Labels::raw(&dataset, hat.to_vec())).unwrap()
     }
 
     #[test]
@@ -165,8 +168,17 @@ mod tests {
     }
 
     #[test]
-    fn a_measurement_against_rewards_that_are_all_zero_can_be_written_and_read() {
-        let quality = measured(&[1.0, 2.0, 3.0], &[0.0; 3]);
+    fn nothing_is_measured_against_rewards_that_are_all_the_same() {
+        let mut records = records(&[1, 1, 1]);
+        records.iter_mut().for_each(|it| it.rewards = vec![0.5]);
+        let dataset = Dataset::from_records("ted/x-v0", SHAPE, &records).unwrap();
+        let labels = Labels::raw(&dataset, vec![1.0, 2.0, 3.0]);
+        assert_eq!(RewardQuality::measure(&dataset, &labels), None);
+    }
+
+    #[test]
+    fn a_measurement_against_returns_whose_mean_is_zero_can_be_written_and_read() {
+        let quality = measured(&[1.0, 2.0, 3.0], &[-1.0, 0.0, 1.0]);
         assert_eq!(quality.top_decile_lift, None);
         let text = serde_json::to_string(&quality).unwrap();
         assert_eq!(

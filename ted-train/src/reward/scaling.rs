@@ -12,7 +12,8 @@ pub enum InputScaling {
     Raw {},
     /// Minus the dataset's mean, divided by its standard deviation, which is not taken smaller than `floor`.
     Standard {
-        /// Smallest standard deviation, in the observation's unit: keeps nearly constant channels from becoming noise.
+        /// Smallest standard deviation, which keeps nearly constant channels from becoming noise: in the unit of a channel whose own
+        /// floor is 0.001, and in proportion where that is another one ([`ObservationStatistics::at_least`]).
         floor: f32,
     },
 }
@@ -26,7 +27,9 @@ impl InputScaling {
             Self::Raw {} => [vec![0.0; channels], vec![1.0; channels]],
             Self::Standard { floor } => [
                 statistics.mean.clone(),
-                statistics.std.iter().map(|s| 1.0 / s.max(floor)).collect(),
+                (statistics.std.iter().zip(statistics.at_least(floor)))
+                    .map(|(std, floor)| 1.0 / std.max(floor))
+                    .collect(),
             ],
         }
     }

@@ -54,13 +54,13 @@ pub struct Cell {
     /// Share of held-out pairs ordered as the true returns order them.
     pub held_out: f64,
     /// Agreement with the dataset's own rewards.
-    pub quality: RewardQuality,
+    pub quality: Option<RewardQuality>,
 }
 
 /// Measures one design on one dataset with one seed.
 ///
 /// # Errors
-/// When the ensemble cannot be learned or the preference log not be written.
+/// When there are no rewards to answer by, the ensemble cannot be learned, or the preference log not be written.
 pub fn measure(
     design: &str,
     config: &OprlConfig,
@@ -68,8 +68,9 @@ pub fn measure(
     seed: u64,
     log: &Path,
 ) -> Result<Cell, TrainError> {
-    let log = PreferenceLog::open(log, dataset).map_err(LearnError::from)?;
     let mut teacher = ScriptedTeacher::truthful();
+    teacher.check(dataset).map_err(LearnError::from)?;
+    let log = PreferenceLog::open(log, dataset).map_err(LearnError::from)?;
     let mut interview = Interview::new(dataset, &mut teacher, log);
     let on = Material {
         dataset,
@@ -83,13 +84,14 @@ pub fn measure(
         .model
         .raw_rewards(dataset)
         .map_err(ExportError::from)?;
+    let labels = Labels::unit(dataset, raw);
     Ok(Cell {
         design: design.to_owned(),
         config: config.clone(),
         task: dataset.task().unwrap_or("unknown").to_owned(),
         seed,
         held_out: learned.held_out.agreement,
-        quality: RewardQuality::measure(dataset, &Labels::unit(dataset, raw)),
+        quality: RewardQuality::measure(dataset, &labels),
     })
 }
 
@@ -204,18 +206,22 @@ impl StudyLog {
                 tasks.entry(&cell.task).or_default().push(cell);
             }
             for (task, cells) in tasks {
-                let column = |value: fn(&Cell) -> f64| {
-                    let values: Vec<_> = cells.iter().map(|c| value(c)).collect();
-                    super::spread(&values, |value| format!("{value:+.2}"))
+                let column = |values: Vec<f64>| match values.is_empty() {
+                    true => "-".to_owned(),
+                    false => super::spread(&values, |value| format!("{value:+.2}")),
+                };
+                let quality = |value: fn(&RewardQuality) -> f64| {
+                    let known = cells.iter().filter_map(|cell| cell.quality.as_ref());
+                    column(known.map(value).collect())
                 };
                 let columns = [
-                    column(|c| c.quality.spearman),
-                    column(|c| c.quality.spearman_low_third),
-                    column(|c| c.quality.spearman_high_third),
-                    column(|c| c.quality.transition_pearson),
-                    column(|c| c.quality.best_kept),
-                    column(|c| c.quality.top_decile_lift.unwrap_or(f64::NAN)),
-                    column(|c| c.held_out),
+                    quality(|it| it.spearman),
+                    quality(|it| it.spearman_low_third),
+                    quality(|it| it.spearman_high_third),
+                    quality(|it| it.transition_pearson),
+                    quality(|it| it.best_kept),
+                    quality(|it| it.top_decile_lift.unwrap_or(f64::NAN)),
+                    column(cells.iter().map(|cell| cell.held_out).collect()),
                 ];
                 rows.push(format!("| {design} | {task} | {} |", columns.join(" | ")));
             }

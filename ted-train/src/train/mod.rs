@@ -50,7 +50,7 @@ pub enum TrainError {
     /// Rewards to learn from that say nothing.
     #[error(
         "the true rewards of {id} are all {reward}, so a policy can learn nothing from them: choose a reward that is learned from answers, \
-         such as --preset steer, and answer with --preferences"
+         such as --preset steer, and answer with --ask or --preferences"
     )]
     SameRewards {
         /// The dataset.
@@ -121,18 +121,27 @@ pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     contract(dataset).map_err(ExportError::from)?;
     match config.reward.source() {
         Source::Computed(reward) => {
+            refuse_no_rewards(dataset, reward.looks_at_rewards())?;
             reward.check(dataset)?;
-            if let Some(reward) = dataset.only_reward().filter(|_| reward.is_the_truth()) {
-                let id = dataset.id().to_owned();
-                return Err(TrainError::SameRewards { id, reward });
-            }
         }
         Source::Learned(learner) => learner.check(dataset)?,
     }
     if let Some(questions) = config.algorithm.questions() {
         questions.check(dataset)?;
     }
+    refuse_no_rewards(dataset, config.filter.looks_at_rewards())?;
     Ok(config.filter.check(dataset.episodes().len())?)
+}
+
+/// Refuses rewards that are all the same where they are `needed`.
+fn refuse_no_rewards(dataset: &Dataset, needed: bool) -> Result<(), TrainError> {
+    match dataset.only_reward().filter(|_| needed) {
+        Some(reward) => {
+            let id = dataset.id().to_owned();
+            Err(TrainError::SameRewards { id, reward })
+        }
+        None => Ok(()),
+    }
 }
 
 /// Whether the simulated teacher can answer what a run of this configuration asks about this dataset, where nobody else does.

@@ -47,6 +47,13 @@ impl<'a> Prepared<'a> {
         audience: Audience,
     ) -> Result<Self, TrainError> {
         check(dataset, config)?;
+        let glitches = dataset.glitches().len();
+        if glitches > 0 {
+            audience.note(&format!(
+                "glitches, single values of observations far from all others: {glitches}. What is usual there is learned from instead, and \
+                 `ted check` names them"
+            ));
+        }
 
         // Phase 1 and 2: a reward for each transition.
         let work = Work {

@@ -23,7 +23,7 @@ pub struct RewardReport {
     pub queries: usize,
     /// Fit of the training pairs, every time that the learner looked: [`RewardLearner::looked_at`] says when.
     pub fits: Vec<Fit>,
-    /// Agreement on pairs that were not asked.
+    /// Agreement on pairs that were not asked; none where true rewards tell of no pair which is better.
     pub held_out: Option<HeldOut>,
     /// Digest of the preference log.
     pub preferences_digest: Option<String>,
@@ -31,7 +31,7 @@ pub struct RewardReport {
     pub low: f32,
     /// Largest raw reward of the dataset, which becomes 1.
     pub high: f32,
-    /// Agreement with the true rewards over the dataset; none where there is no reward.
+    /// Agreement with the true rewards over the dataset; none where there are none, or no reward that could agree.
     pub quality: Option<RewardQuality>,
     /// How sure it is that its best episodes are better than the logs; none of a reward that cannot tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -61,23 +61,31 @@ pub(super) fn rewards(work: Work<'_>, teacher: &mut dyn Teacher) -> Result<Rewar
     let report = RewardReport {
         queries: facts.queries,
         fits: facts.fits,
-        held_out: facts.held_out,
+        held_out: facts.held_out.filter(|it| it.pairs > 0),
         preferences_digest: facts.preferences_digest,
         low: rewards.labels.range.low,
         high: rewards.labels.range.high,
-        quality: there_is_one.then(|| RewardQuality::measure(work.dataset, &rewards.labels)),
+        quality: (there_is_one.then_some(&rewards.labels))
+            .and_then(|labels| RewardQuality::measure(work.dataset, labels)),
         confidence: (rewards.model.as_ref()).and_then(|model| model.confidence().cloned()),
     };
     work.folder.write_json("reward.json", &report)?;
-    if let Some(quality) = report.quality.as_ref().filter(|_| report.queries > 0) {
+    if there_is_one && report.queries > 0 {
+        let beside_the_truth = report.quality.as_ref().map_or_else(
+            || "the logs have no rewards to compare it with".to_owned(),
+            |quality| {
+                format!(
+                    "Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), Pearson {:+.2} over transitions",
+                    quality.spearman,
+                    quality.spearman_low_third,
+                    quality.spearman_high_third,
+                    quality.transition_pearson,
+                )
+            },
+        );
         work.audience.note(&format!(
-            "reward from {} answers: Spearman {:+.2} over episodes (lowest third {:+.2}, highest third {:+.2}), \
-             Pearson {:+.2} over transitions",
-            report.queries,
-            quality.spearman,
-            quality.spearman_low_third,
-            quality.spearman_high_third,
-            quality.transition_pearson,
+            "reward from {} answers: {beside_the_truth}",
+            report.queries
         ));
     }
     Ok(rewards)

@@ -55,11 +55,15 @@ fn numbers_that_nothing_can_be_learned_from_are_named_with_their_place() {
         bytes[at.unwrap()..][..4].copy_from_slice(&value.to_le_bytes());
         fs::write(&part, bytes).unwrap();
         forget_note(&dataset.join("data/1/metadata.json"));
+        let channel = match value.is_finite() {
+            true => "channel action_3",
+            false => "column 3",
+        };
         finish(&mut desk.train_on(&dataset, "run", "true", &[]))
             .with(3)
             .telling(array)
             .telling(&format!(
-                "/1/part-0.arrow holds {value} at row 12, column 3"
+                "/1/part-0.arrow holds {value} at row 12, {channel}"
             ))
             .telling(way_out);
     }

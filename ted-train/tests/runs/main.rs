@@ -5,6 +5,7 @@ mod ask;
 mod bad_datasets;
 mod bad_settings;
 mod batch;
+mod check;
 mod command;
 mod dataset;
 mod export;

@@ -40,8 +40,15 @@ fn sane(desk: &Desk, dataset: &Path, out: &str, preset: &str, more: &[&str]) -> 
     Artifact::parse(&bytes).unwrap();
     let report = fs::read(run.join("reward.json")).unwrap();
     let report: Value = serde_json::from_slice(&report).unwrap();
-    // A number that is none is written as null.
-    for place in ["/low", "/high", "/held_out/agreement", "/quality/spearman"] {
+    // A number that is none is written as null. Where there is nothing to compare with, there is none of the whole.
+    let compared = |whole: &str| !report[whole].is_null();
+    let compared = [
+        ("held_out", "/held_out/agreement"),
+        ("quality", "/quality/spearman"),
+    ]
+    .into_iter()
+    .filter_map(|(whole, place)| compared(whole).then_some(place));
+    for place in ["/low", "/high"].into_iter().chain(compared) {
         let number = report.pointer(place);
         assert!(number.is_some_and(Value::is_number), "{place} in {report}");
     }
@@ -172,15 +179,40 @@ fn without_rewards(count: u64) -> Vec<EpisodeRecord> {
 fn rewards_that_are_all_the_same_are_refused_where_a_run_needs_them() {
     let desk = Desk::new();
     let dataset = write(desk.folder.path(), "zero", &without_rewards(6));
-    for preset in ["steer", "oprl-i+ted", "pt", "oppo", "true", "negative"] {
+    let looks = ["true", "negative", "otr", "bc10"];
+    for preset in ["steer", "oprl-i+ted", "pt", "oppo"]
+        .into_iter()
+        .chain(looks)
+    {
         finish(&mut desk.train_on(&dataset, "run", preset, &small(preset, &[])))
             .with(3)
             .telling("the true rewards of ted/zero-v0 are all 0")
             .telling("--preferences");
     }
     assert!(!desk.run("run").exists(), "nothing was begun");
-    // Who does not look at rewards can answer.
-    sane(&desk, &dataset, "coin", "steer", &["teacher.says=random"]);
+    // Who does not look at rewards can answer, and nothing is compared with rewards that do not exist.
+    let coin = ["teacher.says=random"];
+    let ended = sane(&desk, &dataset, "coin", "steer", &coin);
+    ended.telling("reward from 3 answers: the logs have no rewards to compare it with");
+    let report = fs::read(desk.run("coin/reward.json")).unwrap();
+    let report: Value = serde_json::from_slice(&report).unwrap();
+    assert!(report["quality"].is_null() && report["held_out"].is_null());
+    let mut inspect = ted();
+    inspect.current_dir(desk.folder.path()).arg("inspect");
+    let run = finish(inspect.arg("coin")).with(0).said;
+    assert!(
+        run.contains("Pearson -, Spearman -: the logs have no rewards"),
+        "{run}"
+    );
+    let page = fs::read_to_string(desk.run("coin/report.html")).unwrap();
+    assert!(!page.contains("Spearman") && !page.contains("pairs that were not asked"));
+    let mut study = ted();
+    study.current_dir(desk.folder.path());
+    study.args(["study", "reward", "--out", "study", "--datasets"]);
+    finish(study.arg(&dataset))
+        .with(3)
+        .telling("the true rewards of ted/zero-v0 are all 0");
+    assert!(!desk.run("study").exists(), "nothing was begun");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::algorithm::{ObservationScaling, Replay};
 use crate::dataset::Dataset;
 use crate::dataset::fixtures::{SHAPE, records};
 use crate::nn::fixtures::{assert_close, wide};
+use crate::reward::{InputMap, InputScaling, RewardInputs};
 use crate::rng::Seed;
 
 #[test]
@@ -19,10 +20,14 @@ fn a_batch_joins_each_step_with_what_followed_and_its_own_labels() {
     let replay = Replay::new(&dataset, rewards, discounts);
     let statistics = dataset.observation_statistics();
     let standard = |raw: &[f32]| -> Vec<f64> {
-        let moments = statistics.mean.iter().zip(&statistics.std);
+        let ends = statistics.min.iter().zip(&statistics.max);
+        let moments = (statistics.mean.iter().zip(&statistics.std)).zip(ends);
         raw.iter()
             .zip(moments)
-            .map(|(x, (m, s))| (f64::from(*x) - f64::from(*m)) / (f64::from(*s) + 1e-3))
+            .map(|(x, ((mean, std), (low, high)))| {
+                let floor = 1e-3 * (f64::from(*high) - f64::from(*low));
+                (f64::from(*x) - f64::from(*mean)) / (f64::from(*std) + floor)
+            })
             .collect()
     };
     let mut seen = vec![false; steps];
@@ -88,4 +93,58 @@ fn raw_observations_are_those_of_the_dataset_and_the_policy_is_told() {
     }
     assert_eq!(replay.shift(), [0.0; SHAPE.observation]);
     assert_eq!(replay.scale(), [1.0; SHAPE.observation]);
+}
+
+/// The same logs in a unit that is `larger` times as large.
+fn in_a_larger_unit(larger: f32) -> Dataset {
+    let mut records = records(&[30, 20]);
+    for record in &mut records {
+        record.observations.iter_mut().for_each(|x| *x /= larger);
+    }
+    Dataset::from_records("ted/x-v0", SHAPE, &records).unwrap()
+}
+
+/// What a policy and a reward see of a batch.
+fn seen(dataset: &Dataset) -> [Vec<f32>; 2] {
+    let steps = dataset.step_count();
+    let replay = Replay::new(dataset, vec![0.0; steps], vec![0.9; steps]);
+    let map = InputMap::new(
+        RewardInputs::ObservationAction,
+        InputScaling::Standard { floor: 0.05 },
+        &dataset.observation_statistics(),
+        dataset.action_dim(),
+    );
+    let mut rewards = Vec::new();
+    (0..steps).for_each(|step| map.push(dataset, step, &mut rewards));
+    [replay.batch(Seed::root(3), 0, 64).observations, rewards]
+}
+
+#[test]
+fn the_unit_of_the_logs_shows_in_nothing_that_a_network_sees() {
+    let metres = seen(&in_a_larger_unit(1.0));
+    assert_eq!(seen(&in_a_larger_unit(131_072.0)), metres, "to the bit");
+    let rounded = seen(&in_a_larger_unit(1e5));
+    for (rounded, metres) in rounded.iter().zip(&metres) {
+        assert_close(rounded, &wide(metres), 1e-5, "a factor of 100,000");
+    }
+}
+
+#[test]
+fn one_frame_that_is_a_glitch_changes_neither_shift_nor_scale() {
+    let (clean, mut broken) = (records(&[30, 20]), records(&[30, 20]));
+    broken[1].observations[7 * SHAPE.observation + 2] = 1e6;
+    let dataset = |records: &[_]| Dataset::from_records("ted/x-v0", SHAPE, records).unwrap();
+    let (clean, broken) = (dataset(&clean), dataset(&broken));
+    assert_eq!(broken.glitches().len(), 1);
+    let scaling = |dataset: &Dataset| {
+        let steps = dataset.step_count();
+        let replay = Replay::new(dataset, vec![0.0; steps], vec![0.9; steps]);
+        [replay.shift().to_vec(), replay.scale().to_vec()]
+    };
+    let ([shift, scale], [clean_shift, clean_scale]) = (scaling(&broken), scaling(&clean));
+    // One frame of 52 counts as its neighbours do.
+    assert_close(&shift, &wide(&clean_shift), 0.05, "shift");
+    assert_close(&scale, &wide(&clean_scale), 0.05, "scale");
+    let others = |of: &[f32]| [&of[..2], &of[3..]].concat();
+    assert_eq!(others(&scale), others(&clean_scale));
 }

@@ -10,6 +10,7 @@ use firmware_sim::output::OutputArgs;
 use crate::cli::failures::end;
 use crate::cli::locate::open_dataset;
 use crate::cli::seeds::Seeds;
+use crate::preferences::ScriptedTeacher;
 use crate::study::reward::{DESIGNS, StudyLog, design_config};
 
 const EXAMPLES: &str = "\
@@ -66,15 +67,22 @@ pub(super) fn run(args: &RewardArgs) -> Result<(), Failure> {
             ),
         ));
     }
+    // A teacher answers here, and nothing is begun that it cannot end.
+    let mut datasets = Vec::new();
+    for name in &args.datasets {
+        let (dataset, _) = open_dataset(name)?;
+        let teacher = ScriptedTeacher::truthful();
+        teacher.check(&dataset).map_err(end)?;
+        datasets.push(dataset);
+    }
     let mut log = StudyLog::open(&args.out).map_err(end)?;
     let total = designs.len() * args.seeds.0.len() * args.datasets.len();
     let progress =
         args.output
             .audience()
             .start("measure reward designs", total as u64, "ensembles");
-    for name in &args.datasets {
-        let (dataset, _) = open_dataset(name)?;
-        log.fill(&designs, &dataset, &args.seeds.0, &progress)
+    for dataset in &datasets {
+        log.fill(&designs, dataset, &args.seeds.0, &progress)
             .map_err(end)?;
     }
     progress.finish();

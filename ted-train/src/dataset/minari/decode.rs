@@ -1,10 +1,11 @@
 //! The columns of an episode's Arrow file, copied into the slots of the dataset in memory.
 
 use super::arrow_file::record_batches;
+use super::numbers::{NotExact, widened};
 use crate::dataset::assemble::EpisodeSlots;
 use crate::dataset::{DatasetError, Shape};
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float32Type, Float64Type, Int64Type};
+use arrow_array::types::Float32Type;
 use arrow_array::{Array, ArrayRef, RecordBatch, StructArray};
 use arrow_schema::DataType;
 
@@ -94,7 +95,28 @@ impl Columns<'_> {
         }
     }
 
-    /// Copies lists of `width` floats until `slot` is full.
+    /// The first `count` values of a part in double precision. Each must be there.
+    fn widened(
+        &self,
+        name: &str,
+        expected: &str,
+        part: &dyn Array,
+        count: usize,
+    ) -> Result<Vec<f64>, DatasetError> {
+        let part = part.slice(0, count.min(part.len()));
+        self.refuse_nulls(name, part.len(), &part)?;
+        widened(&part).map_err(|why| match why {
+            NotExact::NotNumbers => self.wrong(name, expected.into(), part.data_type()),
+            NotExact::TooLarge { place, number } => DatasetError::WrongShape {
+                place: self.place.into(),
+                array: name.into(),
+                expected: "numbers that double precision holds".into(),
+                actual: format!("{number} as value {place}"),
+            },
+        })
+    }
+
+    /// Copies lists of `width` numbers until `slot` is full.
     fn copy_rows(
         &self,
         name: &'static str,
@@ -103,7 +125,8 @@ impl Columns<'_> {
     ) -> Result<(), DatasetError> {
         let mut slot = slot;
         for part in self.parts(name)? {
-            let wrong = || self.wrong(name, format!("lists of {width} floats"), part.data_type());
+            let expected = format!("lists of {width} numbers");
+            let wrong = || self.wrong(name, expected.clone(), part.data_type());
             let lists = part.as_fixed_size_list_opt().ok_or_else(wrong)?;
             if usize::try_from(lists.value_length()) != Ok(width) {
                 return Err(wrong());
@@ -113,38 +136,53 @@ impl Columns<'_> {
             let (head, tail) = slot.split_at_mut(count * width);
             slot = tail;
             let values = lists.values();
-            self.refuse_nulls(name, head.len(), values)?;
             if let Some(values) = values.as_primitive_opt::<Float32Type>() {
+                self.refuse_nulls(name, head.len(), values)?;
                 head.copy_from_slice(&values.values()[..head.len()]);
-            } else if let Some(values) = values.as_primitive_opt::<Float64Type>() {
-                for (narrow, &value) in head.iter_mut().zip(values.values().iter()) {
+            } else {
+                let values = self.widened(name, &expected, values, head.len())?;
+                for (narrow, value) in head.iter_mut().zip(values) {
                     *narrow = value as f32;
                 }
-            } else {
-                return Err(wrong());
             }
         }
         Ok(())
     }
 
     fn copy_flags(&self, name: &'static str, slot: &mut [bool]) -> Result<(), DatasetError> {
-        let mut slot = slot.iter_mut();
+        let mut slot = slot;
         for part in self.parts(name)? {
-            let flags = part
-                .as_boolean_opt()
-                .ok_or_else(|| self.wrong(name, "true or false".into(), part.data_type()))?;
-            self.refuse_nulls(name, slot.len().min(flags.len()), flags)?;
-            // The slot comes first, so that a full slot takes nothing from the column.
-            for (flag, value) in slot.by_ref().zip(flags.values().iter()) {
-                *flag = value;
+            let count = part.len().min(slot.len());
+            let (head, tail) = slot.split_at_mut(count);
+            slot = tail;
+            self.flags(name, part, head)?;
+        }
+        Ok(())
+    }
+
+    /// The first values of a part as flags: true or false, or 0 or 1 in any type.
+    fn flags(&self, name: &str, part: &dyn Array, slot: &mut [bool]) -> Result<(), DatasetError> {
+        const EXPECTED: &str = "true or false, or 0 or 1";
+        let values = self.widened(name, EXPECTED, part, slot.len())?;
+        for (row, (flag, value)) in slot.iter_mut().zip(values).enumerate() {
+            if value != 0.0 && value != 1.0 {
+                return Err(DatasetError::WrongShape {
+                    place: self.place.into(),
+                    array: name.into(),
+                    expected: EXPECTED.into(),
+                    actual: format!("{value} in row {row}"),
+                });
             }
+            *flag = value == 1.0;
         }
         Ok(())
     }
 
     /// Row `t + 1` of the info `success` belongs to step `t`; a dataset without it leaves the slot at false.
     fn copy_success(&self, slot: &mut [bool]) -> Result<(), DatasetError> {
-        let mut solved = Vec::with_capacity(slot.len() + 1);
+        let mut slot = slot;
+        // The first row is that of the reset: what it says is about no step.
+        let mut skip = 1;
         for batch in self.batches {
             let infos = batch
                 .column_by_name("infos")
@@ -154,35 +192,21 @@ impl Columns<'_> {
             else {
                 return Ok(());
             };
-            self.refuse_nulls("infos/success", success.len(), success)?;
-            if let Some(flags) = success.as_boolean_opt() {
-                solved.extend(flags.values().iter());
-            } else if let Some(numbers) = success.as_primitive_opt::<Float64Type>() {
-                solved.extend(numbers.values().iter().map(|&number| number > 0.0));
-            } else {
-                let expected = "true or false, or 0.0 or 1.0".into();
-                return Err(self.wrong("infos/success", expected, success.data_type()));
-            }
+            let first = skip.min(success.len());
+            skip -= first;
+            let (head, tail) = slot.split_at_mut(success.len() - first);
+            slot = tail;
+            self.flags("infos/success", &success.slice(first, head.len()), head)?;
         }
-        slot.copy_from_slice(&solved[1..]);
         Ok(())
     }
 
     fn numbers(&self, name: &'static str, steps: usize) -> Result<Vec<f64>, DatasetError> {
-        let mut numbers = Vec::with_capacity(steps + 1);
+        let mut numbers = Vec::with_capacity(steps);
         for part in self.parts(name)? {
-            self.refuse_nulls(name, part.len().min(steps - numbers.len().min(steps)), part)?;
-            if let Some(part) = part.as_primitive_opt::<Float64Type>() {
-                numbers.extend_from_slice(part.values());
-            } else if let Some(part) = part.as_primitive_opt::<Float32Type>() {
-                numbers.extend(part.values().iter().map(|&number| f64::from(number)));
-            } else if let Some(part) = part.as_primitive_opt::<Int64Type>() {
-                numbers.extend(part.values().iter().map(|&number| number as f64));
-            } else {
-                return Err(self.wrong(name, "numbers".into(), part.data_type()));
-            }
+            let left = steps - numbers.len();
+            numbers.extend(self.widened(name, "numbers", part, left)?);
         }
-        numbers.truncate(steps);
         Ok(numbers)
     }
 }

@@ -1,6 +1,6 @@
 //! The JSON beside the arrays: what Minari asks for, and what this project adds under `ted`.
 
-use super::{METADATA, MINARI_VERSION};
+use super::{METADATA, MINARI_VERSION, python_json};
 use crate::dataset::{DatasetError, Shape};
 use firmware_sim::robot::Robot;
 use serde::{Deserialize, Serialize};
@@ -137,8 +137,6 @@ struct Space {
     #[serde(rename = "type")]
     kind: String,
     #[serde(default)]
-    dtype: String,
-    #[serde(default)]
     shape: Vec<usize>,
     #[serde(default)]
     low: Vec<Option<f32>>,
@@ -153,7 +151,8 @@ impl Space {
         let at = |ends: &[Option<f32>], i: usize| ends.get(i).copied().flatten();
         (0..width)
             .map(|i| Some([at(&self.low, i)?, at(&self.high, i)?]))
-            .map(|ends| ends.filter(|[low, high]| low < high))
+            // A bound beyond single precision is none.
+            .map(|ends| ends.filter(|[low, high]| low < high && (high - low).is_finite()))
             .collect()
     }
 }
@@ -168,14 +167,14 @@ impl DatasetMetadata {
                 })
             }
             Err(source) => Err(DatasetError::Read { path, source }),
-            Ok(bytes) => serde_json::from_slice(&bytes).map_err(|error| DatasetError::Metadata {
+            Ok(bytes) => python_json::parse(&bytes).map_err(|error| DatasetError::Metadata {
                 path,
                 reason: error.to_string(),
             }),
         }
     }
 
-    /// The widths of the two spaces, which must be flat boxes of floats, and the bounds of each action where both are finite.
+    /// The widths of the two spaces, which must be flat boxes, and the bounds of each action where both are finite.
     pub(super) fn spaces(
         &self,
         data: &Path,
@@ -187,20 +186,13 @@ impl DatasetMetadata {
                 actual,
             };
             let text = space.as_ref().ok_or_else(|| refuse("absent".into()))?;
-            let space =
-                parse_space(text).map_err(|error| refuse(format!("unreadable ({error})")))?;
-            match (
-                space.kind.as_str(),
-                space.dtype.as_str(),
-                space.shape.as_slice(),
-            ) {
-                ("Box", "float32" | "float64", &[width]) if width > 0 => {
-                    Ok((width, space.bounds()))
-                }
-                ("Box", dtype, shape) => {
-                    Err(refuse(format!("a Box of {dtype} with shape {shape:?}")))
-                }
-                (kind, ..) => Err(refuse(format!("a {kind}"))),
+            let space: Space = python_json::parse(text.as_bytes())
+                .map_err(|error| refuse(format!("unreadable ({error})")))?;
+            // The type is that of the arrays, and theirs counts.
+            match (space.kind.as_str(), space.shape.as_slice()) {
+                ("Box", &[width]) if width > 0 => Ok((width, space.bounds())),
+                ("Box", shape) => Err(refuse(format!("a Box with shape {shape:?}"))),
+                (kind, _) => Err(refuse(format!("a {kind}"))),
             }
         };
         let (observation, _) = flat("observation_space", &self.observation_space)?;
@@ -213,15 +205,6 @@ impl DatasetMetadata {
             bounds,
         ))
     }
-}
-
-/// Python writes the infinite bounds of a box as `Infinity`, which is not JSON.
-fn parse_space(text: &str) -> serde_json::Result<Space> {
-    let bounds_as_null = text
-        .replace("-Infinity", "null")
-        .replace("Infinity", "null")
-        .replace("NaN", "null");
-    serde_json::from_str(&bounds_as_null)
 }
 
 /// The bytes of a complete dataset's `metadata.json`.

@@ -9,6 +9,10 @@ mod decode;
 mod encode;
 mod id;
 mod metadata;
+mod numbers;
+mod python_json;
+#[cfg(test)]
+mod python_tests;
 mod reader;
 mod states;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Reads a Minari dataset in Arrow storage: all episodes in parallel, each straight into its place in memory.
 
 use super::metadata::{DatasetMetadata, EpisodeMetadata};
-use super::{DATA, METADATA, PART, decode};
+use super::{DATA, METADATA, PART, decode, python_json};
 use crate::dataset::assemble::{Filled, UNIT, assemble};
 use crate::dataset::{Dataset, DatasetError, Shape};
 use firmware_sim::robot::{ROBOT_FILE, Robot};
@@ -58,7 +58,7 @@ pub(crate) fn read(path: &Path, robot: Option<Robot>) -> Result<Dataset, Dataset
     let mut dataset = assemble(&id, robot, &lengths, |index, slots| {
         let episode = &episodes[index];
         let path = data.join(index.to_string()).join(PART);
-        let place = path.display().to_string();
+        let place = format!("episode {index}, {}", path.display());
         let bytes = fs::read(&path).map_err(|source| DatasetError::Read { path, source })?;
         let expected = episode.ted.as_ref().map(|note| note.blake3.as_str());
         if expected.is_some_and(|expected| *blake3::hash(&bytes).to_hex() != *expected) {
@@ -136,7 +136,7 @@ fn episode_metadata(data: &Path, total: u32) -> Result<Vec<EpisodeMetadata>, Dat
             return Err(missing(part));
         }
         let metadata: EpisodeMetadata =
-            serde_json::from_slice(&bytes).map_err(|error| DatasetError::Metadata {
+            python_json::parse(&bytes).map_err(|error| DatasetError::Metadata {
                 path: path.clone(),
                 reason: error.to_string(),
             })?;

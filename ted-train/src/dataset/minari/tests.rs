@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::dataset::fixtures::{SHAPE, records};
-use crate::dataset::{Dataset, EpisodeRecord};
+use crate::dataset::{Dataset, EpisodeRecord, Shape};
 use firmware_sim::disk::{Disk, WriteError};
 use firmware_sim::robot::Robot;
 use std::fs::{self, File};
@@ -90,19 +90,14 @@ fn tree(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// Rewrites a JSON file.
-fn edit(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
+pub(super) fn edit(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
     let mut value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
     change(&mut value);
     fs::write(path, serde_json::to_vec(&value).unwrap()).unwrap();
 }
 
 /// Replaces an episode by one whose file and metadata agree with each other.
-fn replace_episode(
-    data: &Path,
-    episode: u32,
-    record: &EpisodeRecord,
-    shape: crate::dataset::Shape,
-) {
+pub(super) fn replace_episode(data: &Path, episode: u32, record: &EpisodeRecord, shape: Shape) {
     let bytes = encode::episode_file(record, shape).unwrap();
     let folder = data.join(episode.to_string());
     edit(&folder.join(METADATA), |value| {
@@ -378,7 +373,7 @@ fn an_episode_whose_metadata_lies_is_named() {
 fn columns_of_the_wrong_width_or_with_nan_are_named() {
     let (_root, folder) = complete();
     let data = folder.join("data");
-    let narrow = crate::dataset::Shape {
+    let narrow = Shape {
         observation: 7,
         action: 2,
     };
@@ -388,7 +383,7 @@ fn columns_of_the_wrong_width_or_with_nan_are_named() {
     replace_episode(&data, 2, &record, narrow);
     let text = refusal(&folder);
     assert!(
-        text.contains("data/2/part-0.arrow: expected lists of 4 floats"),
+        text.contains("data/2/part-0.arrow: expected lists of 4 numbers"),
         "{text}"
     );
 

@@ -8,6 +8,7 @@ use super::metadata::{
     Behaviour, DatasetMetadata, EpisodeMetadata, EpisodeNote, Origin, dataset_metadata, to_json,
 };
 use super::{DATA, DatasetId, METADATA, PART, encode};
+use crate::dataset::ends::check_ends;
 use crate::dataset::{DatasetError, EpisodeRecord, Shape};
 use firmware_sim::disk::{Disk, WriteError, create_folder, lock, rename, sync_folder};
 use firmware_sim::robot::{ROBOT_FILE, Robot};
@@ -104,7 +105,9 @@ impl DatasetWriter {
         behaviour: Behaviour,
         record: &EpisodeRecord,
     ) -> Result<EpisodeNote, EpisodeError> {
-        record.check(&self.robot, &format!("episode {episode}"))?;
+        let place = format!("episode {episode}");
+        record.check(&self.robot, &place)?;
+        check_ends(&place, &record.terminations, &record.truncations)?;
         let part = encode::episode_file(record, Shape::of(&self.robot))
             .map_err(|error| WriteError::at(&self.data, std::io::Error::other(error)))?;
         let note = EpisodeNote {

@@ -70,7 +70,7 @@ fn the_reward_that_a_controller_computes_orders_episodes_as_their_quality_and_th
     assert!(learned.held_out.agreement > 0.7, "{:?}", learned.held_out);
     let raw = learned.model.raw_rewards(&dataset).unwrap();
     let labels = Labels::unit(&dataset, raw);
-    let truth = RewardQuality::measure(&dataset, &labels);
+    let truth = RewardQuality::measure(&dataset, &labels).unwrap();
     assert!(truth.spearman > 0.5, "{truth:?}");
     let quality = DVector::from_iterator(60, quality(&learned).into_iter().map(f64::from));
     let returns = DVector::from_iterator(60, labels.returns_hat.iter().copied().map(f64::from));
