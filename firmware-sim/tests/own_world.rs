@@ -120,6 +120,21 @@ fn a_policy_with_actions_from_0_to_1_flies_there_at_30_hz_without_a_fault() {
     assert_eq!(report["plant"], "puck.py");
     assert!(report["success_rate"].as_f64().unwrap() > 0.9, "{report}");
 
+    let other = folder.path().join("slower.py");
+    let text = fs::read_to_string(&puck).unwrap();
+    fs::write(
+        &other,
+        text.replace("period_us = 33333", "period_us = 50000"),
+    )
+    .unwrap();
+    let flown = fly(&policy, &["--world", &other.to_string_lossy()]);
+    assert_eq!(flown.status.code(), Some(3));
+    let said = String::from_utf8_lossy(&flown.stderr).into_owned();
+    assert!(
+        said.contains("take 50000 microseconds (period_us), and the policy acts every 33333"),
+        "{said}"
+    );
+
     let flown = fly(&policy, &["--world", "nowhere.py"]);
     assert_eq!(flown.status.code(), Some(2));
     let said = String::from_utf8_lossy(&flown.stderr).into_owned();

@@ -11,8 +11,11 @@ const RANGE_MARGIN: f32 = 0.5;
 /// ... and at least by this many times what a channel resolves, so that a channel that never moved may tremble ...
 const RESOLUTIONS: f32 = 20.0;
 
-/// ... or, where nobody declared what it resolves, by this share of its largest value.
-const TREMBLE: f32 = 1e-3;
+/// ... or, where nobody declared what it resolves, by this share of what it can read at all ...
+const TREMBLE: f32 = 5e-3;
+
+/// ... or, where nobody declared that either, by this share of its largest value.
+const WHISPER: f32 = 1e-3;
 
 /// The contract of a policy that was learned from this dataset: beyond the ranges of its observation the policy has never seen
 /// anything.
@@ -35,9 +38,10 @@ fn accepted(dataset: &Dataset) -> Vec<[f32; 2]> {
 
 /// What a channel may read that read from `low` to `high` in the logs. It is never more than the channel can read at all.
 fn widened(sensor: &Sensor, low: f32, high: f32) -> [f32; 2] {
-    let tremble = match sensor.resolution {
-        Some(resolution) => RESOLUTIONS * resolution,
-        None => TREMBLE * low.abs().max(high.abs()),
+    let tremble = match (sensor.resolution, sensor.range) {
+        (Some(resolution), _) => RESOLUTIONS * resolution,
+        (None, Some([lowest, highest])) => TREMBLE * (highest - lowest),
+        (None, None) => WHISPER * low.abs().max(high.abs()),
     };
     let margin = (RANGE_MARGIN * (high - low)).max(tremble);
     let [lowest, highest] = sensor.range.unwrap_or([f32::MIN, f32::MAX]);
@@ -71,6 +75,8 @@ mod tests {
     #[test]
     fn a_channel_that_never_moved_may_tremble_as_far_as_it_resolves() {
         let [low, high] = widened(&sensor(None, Some(0.001)), 0.0, 0.0);
+        assert!((low + 0.02).abs() < 1e-8 && (high - 0.02).abs() < 1e-8);
+        let [low, high] = widened(&sensor(Some([-2.0, 2.0]), None), 0.0, 0.0);
         assert!((low + 0.02).abs() < 1e-8 && (high - 0.02).abs() < 1e-8);
         let [low, high] = widened(&sensor(None, None), 5e-6, 5e-6);
         assert!(low > 4.9e-6 && high < 5.1e-6 && low < high, "{low} {high}");

@@ -273,3 +273,48 @@ fn files(extensions: &[&str]) -> Vec<PathBuf> {
     );
     found
 }
+
+/// What stands for Meta-World's robot: its numbers, its period, and names of its channels.
+const META_WORLD: [&str; 6] = [
+    "39",
+    "12_500",
+    "hand_dx",
+    "gripper_opening",
+    "observation_dim() ==",
+    "action_dim() ==",
+];
+
+/// A fact about a robot is declared in its file. Tests, timings and golden frames may be of any robot.
+#[test]
+fn nothing_is_told_from_a_shape_and_no_fact_of_meta_world_is_outside_its_folder() {
+    let mut found = Vec::new();
+    for file in files(&["rs"]) {
+        let name = file.strip_prefix(root()).unwrap().display().to_string();
+        let free = [
+            "ted-core/",
+            "tests",
+            "/bench/",
+            "golden.rs",
+            "firmware-sim/firmware/",
+        ];
+        if free.iter().any(|free| name.contains(free)) {
+            continue;
+        }
+        let text = fs::read_to_string(&file).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap();
+        for line in code
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"))
+        {
+            let whole = |word: &str| {
+                let other = |c: char| !(c.is_alphanumeric() || c == '_' || c == '.');
+                line.split(other).any(|part| part == word)
+            };
+            let hit = |word: &&&str| whole(word) || word.contains('(') && line.contains(**word);
+            if let Some(word) = META_WORLD.iter().find(hit) {
+                found.push(format!("{name}: {word}: {}", line.trim()));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}

@@ -117,6 +117,16 @@ pub enum BridgeError {
         /// What was given.
         actual: usize,
     },
+    /// The world of a person says another length of its steps than the policy's contract.
+    #[error(
+        "fly in this world: its steps take {world} microseconds (period_us), and the policy acts every {policy}: correct one of the two"
+    )]
+    OtherPeriod {
+        /// What the world says.
+        world: u32,
+        /// The control period of the contract.
+        policy: u32,
+    },
     /// The person asked to stop.
     #[error("stopped on request")]
     Interrupted,
@@ -164,6 +174,7 @@ impl BridgeError {
     pub const fn exit_code(&self) -> ExitCode {
         match self {
             Self::Interrupted => ExitCode::Interrupted,
+            Self::OtherPeriod { .. } => ExitCode::BadInput,
             _ => ExitCode::Environment,
         }
     }

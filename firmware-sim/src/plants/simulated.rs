@@ -27,7 +27,7 @@ impl SimulatedPlant {
     /// # Errors
     /// When the simulator does not start or has no such task.
     pub fn new(environment: &Environment, task: &str, period_us: u32) -> Result<Self, BridgeError> {
-        let (shared, shape) = Shared::open(environment, task)?;
+        let (shared, shape) = Shared::open(environment, task, period_us)?;
         Ok(Self::in_slot(&shared, shape, period_us, 0))
     }
 
@@ -41,7 +41,7 @@ impl SimulatedPlant {
         period_us: u32,
         plants: u16,
     ) -> Result<Vec<Self>, BridgeError> {
-        let (shared, shape) = Shared::open(environment, task)?;
+        let (shared, shape) = Shared::open(environment, task, period_us)?;
         Ok((0..plants)
             .map(|slot| Self::in_slot(&shared, shape, period_us, slot))
             .collect())
@@ -147,8 +147,16 @@ impl Shared {
     fn open(
         environment: &Environment,
         task: &str,
+        period_us: u32,
     ) -> Result<(Rc<RefCell<Self>>, Shape), BridgeError> {
         let mut worker = Worker::spawn(environment)?;
+        match said_period_us(worker.versions()) {
+            Some(world) if world != period_us => {
+                let policy = period_us;
+                return Err(BridgeError::OtherPeriod { world, policy });
+            }
+            _ => {}
+        }
         let shape = worker.open(task)?;
         let shared = Self {
             worker,
@@ -185,4 +193,13 @@ impl Shared {
         self.made.extend(others.zip(steps));
         Ok(own)
     }
+}
+
+/// How long a worker says that its steps take, if it says so.
+fn said_period_us(versions: &str) -> Option<u32> {
+    let mut parts = versions.split_whitespace();
+    parts
+        .find_map(|part| part.strip_prefix("period_us="))?
+        .parse()
+        .ok()
 }

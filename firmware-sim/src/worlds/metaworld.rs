@@ -2,6 +2,9 @@
 
 use crate::robot::Robot;
 
+/// Steps of an episode. Nothing stops at success, as the paper's score asks for.
+pub const EPISODE_STEPS: u32 = 500;
+
 /// The robot of all its tasks.
 #[must_use]
 pub fn robot() -> Robot {

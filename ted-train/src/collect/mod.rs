@@ -25,8 +25,6 @@ use plan::Plan;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Steps of a Meta-World episode. Collection never stops at success, as the paper's score asks for.
-pub const EPISODE_STEPS: u32 = 500;
 /// The namespace of collected datasets.
 pub const NAMESPACE: &str = "ted";
 

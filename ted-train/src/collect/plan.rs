@@ -1,7 +1,7 @@
 //! What a configuration comes to: which episodes, under which name. Whoever has a plan has numbers that make sense.
 
 use super::recipe::Played;
-use super::{CollectConfig, CollectError, EPISODE_STEPS, NAMESPACE, Recipe};
+use super::{CollectConfig, CollectError, NAMESPACE, Recipe};
 use crate::dataset::minari::{Behaviour, DatasetId, Origin};
 use crate::rng::Seed;
 use firmware_sim::bridge::EpisodeJob;
@@ -111,7 +111,7 @@ impl<'a> Plan<'a> {
             seed: self.seed(episode),
             steps: match self.toy {
                 Some(_) => toy::EPISODE_STEPS,
-                None => EPISODE_STEPS,
+                None => metaworld::EPISODE_STEPS,
             },
         }
     }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::dataset::Dataset;
 use firmware_sim::bridge::{BridgeError, Episode, EpisodeJob, Shape as BridgeShape};
+use firmware_sim::worlds::metaworld;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -72,7 +73,7 @@ fn episode(job: &EpisodeJob) -> Episode {
             qvel: 3,
             mocap: 1,
             goal: 6,
-            horizon: EPISODE_STEPS,
+            horizon: metaworld::EPISODE_STEPS,
         },
         observations: narrow(rows * 39),
         actions: narrow(STEPS * 4).into_iter().map(f32::fract).collect(),

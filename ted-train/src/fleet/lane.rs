@@ -187,7 +187,7 @@ impl Begun<'_> {
         let task = self.dataset.task();
         let simulated = task.is_some_and(|task| World::of_task(task).is_ok());
         if episodes > 0 && !simulated {
-            audience.note("not flown: the dataset is of no Meta-World task, and not of the toy");
+            audience.note("not flown: the dataset is of no world that is known here; `ted eval RUN --world FILE` flies in one of your own");
         }
         let evaluation = match episodes > 0 && simulated {
             true => {
