@@ -1,0 +1,105 @@
+"""Minari's Arrow and Parquet storage: a folder for each episode, with rows from reset to the last observation and a padded last step."""
+
+import re
+
+import numpy as np
+import pyarrow as pa
+
+from arrow_columns import matrix
+from faults import Fault
+
+
+class ArrowEpisodes:
+    def __init__(self, folder, about):
+        self._folder = folder
+        self._format = about.get("data_format", "arrow")
+        if self._format not in ("arrow", "parquet"):
+            raise Fault(f"the storage format {self._format} is unknown", "there are: hdf5, arrow, parquet")
+        self._ids = sorted(int(child.name) for child in folder.iterdir() if child.is_dir() and child.name.isdigit())
+        if not self._ids:
+            raise Fault(f"{folder} has no episodes", "download or write the dataset again")
+        self._sample = None
+
+    def about(self):
+        """What the data itself knows of the dataset: nothing."""
+        return {}
+
+    def ids(self):
+        return self._ids
+
+    def keys(self):
+        found = []
+        for name in self._first().column_names:
+            self._walk(name, self._first()[name], found)
+        return found
+
+    def names(self, key):
+        """The paths of the arrays under this key; none where it is itself one."""
+        head = f"{key}/"
+        return [path[len(head) :] for path, _, _ in self.keys() if path.startswith(head)]
+
+    def width(self, key, name):
+        return matrix(self._find(self._first(), key, name, None), key).shape[1]
+
+    def read(self, identity, chosen, success):
+        from from_minari import read_json
+
+        where = f"episode {identity}"
+        table = self._table(identity)
+        file = self._folder / str(identity) / "metadata.json"
+        about = read_json(file) if file.exists() else {}
+        read = {key: matrix(self._padded(table, key, where), key, where) for key in ("actions", "rewards", "terminations", "truncations")}
+        parts = [matrix(self._find(table, "observations", name, where), name or "the observation", where) for name in chosen or [None]]
+        read["observations"] = np.concatenate(parts, axis=1)
+        read["success"] = matrix(self._find(table, "infos", success, where), success, where) if success else None
+        read["total_steps"] = about.get("total_steps")
+        return read
+
+    def _padded(self, table, key, where):
+        """A column without its last row, which belongs to no step."""
+        column = self._find(table, key, None, where)
+        return column.slice(0, max(len(column) - 1, 0))
+
+    def _table(self, identity):
+        folder = self._folder / str(identity)
+        files = sorted((child for child in folder.iterdir() if child.suffix == f".{self._format}"), key=part_number)
+        if not files:
+            raise Fault(f"no .{self._format} file in {folder}", "download or write the dataset again", f"episode {identity}")
+        return pa.concat_tables(self._open(file) for file in files)
+
+    def _open(self, file):
+        if self._format == "parquet":
+            import pyarrow.parquet
+
+            return pyarrow.parquet.ParquetFile(file).read()
+        return pa.ipc.open_file(pa.memory_map(str(file))).read_all()
+
+    def _first(self):
+        if self._sample is None:
+            self._sample = self._table(self._ids[0])
+        return self._sample
+
+    def _find(self, table, key, name, where):
+        parts = [key] if name is None else [key, *name.split("/")]
+        if key not in table.column_names:
+            raise Fault(f"no column {key}", "record or convert the dataset again", where)
+        column = table[key]
+        for part in parts[1:]:
+            if not pa.types.is_struct(column.type) or column.type.get_field_index(part) < 0:
+                raise Fault(f"no array {'/'.join(parts)}", "record or convert the dataset again", where)
+            column = pa.chunked_array([chunk.field(part) for chunk in column.chunks], column.type.field(part).type)
+        return column
+
+    def _walk(self, path, column, found):
+        if not pa.types.is_struct(column.type):
+            found.append((path, f"({len(column)} rows)", str(column.type)))
+            return
+        for field in column.type:
+            inner = pa.chunked_array([chunk.field(field.name) for chunk in column.chunks], field.type)
+            self._walk(f"{path}/{field.name}", inner, found)
+
+
+def part_number(file):
+    """The number in part-12.arrow: the order in which the parts were written."""
+    digits = re.findall(r"\d+", file.stem)
+    return int(digits[-1]) if digits else 0
