@@ -91,7 +91,7 @@ class Minari:
         success = read.get("success")
         if success is not None and len(success) == len(actions) + 1:
             success = success[1:]  # Minari keeps what reset returned as well.
-        notes = []
+        notes = list(read["notes"])
         if len(actions) and not any(arrays.flags(read[flag], flag, name)[-1:].any() for flag in ("terminations", "truncations")):
             notes.append(Note("no end flag at its last step", len(actions) - 1))
         return Episode(number, name, read["observations"], actions, **{key: read[key] for key in PER_STEP}, success=success, notes=notes)

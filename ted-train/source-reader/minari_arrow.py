@@ -7,6 +7,7 @@ import pyarrow as pa
 
 from arrow_columns import matrix
 from faults import Fault
+from model import Note
 
 
 class ArrowEpisodes:
@@ -51,6 +52,7 @@ class ArrowEpisodes:
         read = {key: matrix(self._padded(table, key, where), key, where) for key in ("actions", "rewards", "terminations", "truncations")}
         parts = [matrix(self._find(table, "observations", name, where), name or "the observation", where) for name in chosen or [None]]
         read["observations"] = np.concatenate(parts, axis=1)
+        read["notes"] = in_order(read["observations"], [chunk.num_rows for chunk in table.to_batches()], where)
         read["success"] = matrix(self._find(table, "infos", success, where), success, where) if success else None
         read["total_steps"] = about.get("total_steps")
         return read
@@ -97,6 +99,31 @@ class ArrowEpisodes:
         for field in column.type:
             inner = pa.chunked_array([chunk.field(field.name) for chunk in column.chunks], field.type)
             self._walk(f"{path}/{field.name}", inner, found)
+
+
+def in_order(observations, lengths, where):
+    """Checks the order of an episode's blocks: a jump at a border that is larger than every other in a channel is a fault.
+
+    Minari's writer hands out blocks of 32,768 rows to threads, and whichever is ready first comes first.
+    """
+    borders = np.cumsum(lengths)[:-1]
+    if not borders.size:
+        return []
+    jumps = np.abs(np.diff(observations.astype(np.float64), axis=0))
+    elsewhere = np.delete(jumps, borders - 1, axis=0).max(axis=0)
+    wrong = borders[(jumps[borders - 1] > elsewhere).any(axis=1)]
+    if wrong.size:
+        raise Fault(
+            "the observations jump here, between two blocks of the file, further than anywhere else: Minari's Arrow writer mixes up the blocks of episodes of more "
+            "than 32,767 steps",
+            "write the dataset again with data_format='hdf5', or in shorter episodes",
+            where,
+            int(wrong[0]),
+        )
+    if len(borders) == 1:
+        return []  # The end flag is in the last block, so the other one is the first.
+    words = f"written in {len(lengths)} blocks, of which only the last is known to be in its place: Minari's Arrow writer does not keep their order"
+    return [Note(words, int(borders[0]))]
 
 
 def part_number(file):

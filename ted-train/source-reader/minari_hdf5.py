@@ -56,6 +56,7 @@ class Hdf5Episodes:
             raise Fault(f"the lengths of its observations disagree: {lengths}", "record it again", where, min(len(part) for part in parts))
         read["observations"] = np.concatenate(parts, axis=1)
         read["success"] = self._find(group, "infos", success, where)[:] if success else None
+        read["notes"] = []
         read["total_steps"] = group.attrs.get("total_steps")
         return read
 

@@ -7,6 +7,7 @@ Standard output carries frames alone (frames.py), or with --describe a text for 
 """
 
 import argparse
+import io
 import os
 import sys
 import traceback
@@ -56,9 +57,10 @@ def read(options, frames, sink):
     name = options.format or detect.told(options.source)
     reader = detect.opened(name, options.source, options)
     if options.describe:
-        text = open(sink.fileno(), "w", encoding="utf-8", closefd=False)
+        text = io.StringIO()
         describe(options.source, name, reader, text)
-        text.flush()
+        sink.write(text.getvalue().encode())
+        sink.flush()
         return
     header = reader.header()
     frames.source(name, header)
