@@ -47,7 +47,7 @@ class Cutter:
         new = self._new(block, rows)
         starts = np.flatnonzero(new["column"] | new["gap"] | new["flags"])
         begin = 0
-        for stop in [*starts, rows]:
+        for stop in [*starts.tolist(), rows]:
             while self._every is not None and self._count + stop - begin > self._every:
                 middle = begin + self._every - self._count
                 self._keep(block, begin, middle)

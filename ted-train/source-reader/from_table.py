@@ -88,8 +88,8 @@ class MappedTable:
         flags = {}
         for flag in FLAGS:
             if flag in rows:
-                raised = as_flags(rows[flag], flag, name)
-                flags[flag] = np.concatenate([raised[: steps - 1], raised[steps - 1 :].any(keepdims=True)])
+                values = as_flags(rows[flag], flag, name)
+                flags[flag] = np.concatenate([values[: steps - 1], values[steps - 1 :].any(keepdims=True)])
         return Episode(
             piece.number,
             name,
@@ -117,7 +117,7 @@ class MappedTable:
                 rows["end"] = np.zeros(len(rows["observation"]), bool)
                 for part in ENDS:
                     if part in rows:
-                        rows["end"] |= as_flags(rows[part], part, None)
+                        rows["end"] |= raised(rows[part])
             yield rows
 
     def _resolve(self, section, key):
@@ -219,10 +219,14 @@ def gathered(block, columns):
     return np.concatenate([block[name] if place is None else block[name][:, place : place + 1] for name, place, _ in columns], axis=1)
 
 
+def raised(texts):
+    return np.array([text in TRUE for text in texts], bool)
+
+
 def as_flags(texts, what, episode):
-    raised = np.array([text in TRUE for text in texts])
-    wrong = np.flatnonzero(~raised & np.array([text not in FALSE for text in texts]))
+    """Texts as one boolean per row. Raises Fault where one is neither."""
+    wrong = np.flatnonzero(np.array([text not in TRUE and text not in FALSE for text in texts], bool))
     if wrong.size:
         step = int(wrong[0])
         raise Fault(f"{what} is {texts[step]!r} where only 0, 1, true and false are flags", "correct it in the source", episode, step)
-    return raised
+    return raised(texts)

@@ -9,6 +9,9 @@ from arrow_columns import matrix
 from faults import Fault
 from model import Note
 
+# A jump between two blocks that is so many times the largest elsewhere in the episode is no motion of the robot.
+FAR = 3.0
+
 
 class ArrowEpisodes:
     def __init__(self, folder, about):
@@ -102,7 +105,7 @@ class ArrowEpisodes:
 
 
 def in_order(observations, lengths, where):
-    """Checks the order of an episode's blocks: a jump at a border that is larger than every other in a channel is a fault.
+    """Checks the order of an episode's blocks: a jump at a border that is much larger than every other in a channel is a fault.
 
     Minari's writer hands out blocks of 32,768 rows to threads, and whichever is ready first comes first.
     """
@@ -111,10 +114,10 @@ def in_order(observations, lengths, where):
         return []
     jumps = np.abs(np.diff(observations.astype(np.float64), axis=0))
     elsewhere = np.delete(jumps, borders - 1, axis=0).max(axis=0)
-    wrong = borders[(jumps[borders - 1] > elsewhere).any(axis=1)]
+    wrong = borders[(jumps[borders - 1] > FAR * elsewhere).any(axis=1)]
     if wrong.size:
         raise Fault(
-            "the observations jump here, between two blocks of the file, further than anywhere else: Minari's Arrow writer mixes up the blocks of episodes of more "
+            "the observations jump here, between two blocks of the file, much further than anywhere else: Minari's Arrow writer mixes up the blocks of episodes of more "
             "than 32,767 steps",
             "write the dataset again with data_format='hdf5', or in shorter episodes",
             where,
