@@ -47,5 +47,7 @@ def flags(array, what, episode=None):
     wrong = np.flatnonzero((array != 0) & (array != 1))
     if wrong.size:
         step = int(wrong[0])
-        raise Fault(f"{what} is {array[step]} where only 0 and 1 are flags", "correct it in the source, or choose another key or column", episode, step)
+        raise Fault(
+            f"{what} is {array[step]} where only 0 and 1 are flags", "correct it in the source, or choose another key or column", episode, step
+        )
     return array != 0

@@ -1,7 +1,7 @@
 """Recordings of ROS 2: an MCAP file, whose messages are CDR or JSON, or a rosbag2 folder with either storage.
 
-Each has `topics` ({topic: type and encoding}), `first` (one message of a topic), `times` (of a topic) and `messages` (of some topics, by time), all times in
-nanoseconds of the recorder's clock.
+Each has `topics` ({topic: type and encoding}), `first` (one message of a topic), `times` (of a topic) and `messages` (of some topics, by
+time). All times are nanoseconds of the recorder's clock.
 """
 
 import json
@@ -43,7 +43,9 @@ class McapFile:
                 for _, channel, message, decoded in self._reader(file).iter_decoded_messages(topics=topics):
                     yield channel.topic, message.log_time, decoded
             except DecoderNotFoundError as error:
-                raise Fault(f"messages of a topic cannot be read: {error}", "ROS 2 messages (CDR with ros2msg schemas) and JSON can be read") from error
+                raise Fault(
+                    f"messages of a topic cannot be read: {error}", "ROS 2 messages (CDR with ros2msg schemas) and JSON can be read"
+                ) from error
             except McapError as error:
                 raise Fault(f"the MCAP file cannot be read on: {error}", "repair it with `mcap recover`") from error
 
@@ -86,7 +88,9 @@ class BagFolder:
             try:
                 message = self._reader.deserialize(data, connection.msgtype)
             except KeyError as error:
-                raise Fault(f"the bag does not say what the type {connection.msgtype} of {connection.topic} is", "convert it to MCAP with `ros2 bag convert`") from error
+                raise Fault(
+                    f"the bag does not say what the type {connection.msgtype} of {connection.topic} is", "convert it to MCAP with `ros2 bag convert`"
+                ) from error
             yield connection.topic, time, message
 
     def _of(self, topics):

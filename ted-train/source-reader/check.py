@@ -1,4 +1,7 @@
-"""Checks every episode before it leaves: lengths, end flags, numbers that are none. What is wrong is a fault or, if told so, is dropped with a note."""
+"""Checks every episode before it leaves: lengths, end flags, numbers that are none.
+
+What is wrong is a fault or, if told so, is dropped with a note.
+"""
 
 import numpy as np
 

@@ -19,7 +19,8 @@ class Piece:
 class Cutter:
     """Takes blocks of rows and gives whole episodes.
 
-    A block is {name: array of n rows}; `episode` in it is an array of names, `time` of stamps, `end` of end flags, each only where a rule or a check needs it.
+    A block is {name: array of n rows}; `episode` in it is an array of names, `time` of stamps, `end` of end flags, each only where a rule or a
+    check needs it.
     """
 
     def __init__(self, by_column, gap, by_flags, every, scale_us=1.0):

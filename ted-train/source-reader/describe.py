@@ -1,5 +1,7 @@
 """Prints for people what is in a source, what would be read of it, and how to go on."""
 
+import math
+
 from faults import Fault
 
 
@@ -29,7 +31,9 @@ def describe(path, name, reader, out):
 
 
 def ranged(channel):
-    return channel.name if channel.low is None or channel.high is None else f"{channel.name} [{channel.low:g}, {channel.high:g}]"
+    bounds = (channel.low, channel.high)
+    known = all(bound is not None and math.isfinite(bound) for bound in bounds)
+    return f"{channel.name} [{channel.low:g}, {channel.high:g}]" if known else channel.name
 
 
 def unknown(count):

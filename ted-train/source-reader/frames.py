@@ -1,4 +1,7 @@
-"""Frames to the parent: the length of some JSON (u32), the JSON, then the raw arrays that it names; all little-endian. README.md describes each kind."""
+"""Frames to the parent: the length of some JSON (u32), the JSON, then the raw arrays that it names; all little-endian.
+
+README.md describes each kind.
+"""
 
 import json
 import math

@@ -61,7 +61,10 @@ class BagTable:
                 raise Fault(f"no topic {topic}", f"the topics are: {', '.join(sorted(bag.topics))}")
             for column, path in fields.items():
                 if column in self.widths:
-                    raise Fault(f"the column {column} stands twice under [topics]" if column != STAMP else "no column may be called time", "give it another name")
+                    raise Fault(
+                        f"the column {column} stands twice under [topics]" if column != STAMP else "no column may be called time",
+                        "give it another name",
+                    )
                 self.widths[column] = 1
                 self.types[column] = topic
                 self._fields[column] = (topic, Field(topic, path))

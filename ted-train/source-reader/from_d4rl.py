@@ -30,7 +30,7 @@ class D4rl:
         if options.map:
             options.map.only("d4rl", "episode.every")
             self._every = options.map.get("episode", "every")
-        self._has = {name for name in USES if name in self._store}
+        self._has = {name: self._store[name] for name in USES if name in self._store}
         self._boundaries = None
 
     def keys(self):
@@ -44,7 +44,7 @@ class D4rl:
         for name in ("observations", "actions"):
             if name not in self._has:
                 raise Fault(f"no array {name}", f"the arrays are: {', '.join(names(self._store))}; for other names, a .npz with a map will do")
-        counts = {name: len(self._store[name]) for name in sorted(self._has)}
+        counts = {name: len(array) for name, array in self._has.items()}
         if len(set(counts.values())) != 1:
             lengths = ", ".join(f"{name} {count}" for name, count in counts.items())
             raise Fault(f"the arrays have different lengths: {lengths}", "download or convert the file again", step=min(counts.values()))
@@ -54,8 +54,8 @@ class D4rl:
         notes = list(self._boundaries.notes)
         if not whole:
             notes.append(
-                "no next_observations: the last row of each episode gives only its observation; its action and reward are dropped, its end flags go to "
-                "the step before"
+                "no next_observations: the last row of each episode gives only its observation; its action and reward are dropped, its end flags "
+                "go to the step before"
             )
         return Header(
             self._channels("observations", "observation"),
@@ -79,10 +79,10 @@ class D4rl:
         steps = stop - begin if whole else stop - begin - 1
         if steps == 0:
             return Skipped(number, name, "one row only, and no observation after its action")
-        read = {key: np.asarray(self._store[key][begin:stop]) for key in self._has - {"next_observations"}}
+        read = {key: np.asarray(array[begin:stop]) for key, array in self._has.items() if key != "next_observations"}
         observations = read["observations"]
         if whole:
-            observations = np.concatenate([observations, self._store["next_observations"][stop - 1 : stop]])
+            observations = np.concatenate([observations, self._has["next_observations"][stop - 1 : stop]])
         ends = {}
         for key in ("terminals", "timeouts"):
             if key in self._has:
@@ -102,9 +102,11 @@ class D4rl:
         )
 
     def _channels(self, key, name):
-        array = self._store[key]
+        array = self._has[key]
         if arrays.is_image(array.shape[1:], array.dtype):
-            raise Fault(f"{key} are pictures of the shape {tuple(array.shape[1:])}", "only numbers can be imported: compute some from the pictures first")
+            raise Fault(
+                f"{key} are pictures of the shape {tuple(array.shape[1:])}", "only numbers can be imported: compute some from the pictures first"
+            )
         return [Channel(label) for label in numbered(name, arrays.width_of(array.shape[1:]))]
 
     def _find_boundaries(self, rows):
@@ -113,10 +115,10 @@ class D4rl:
         flagged = np.zeros(rows, bool)
         for key in ("terminals", "timeouts"):
             if key in self._has:
-                flagged |= arrays.flags(self._store[key][:], key)
+                flagged |= arrays.flags(self._has[key][:], key)
         self._boundaries = Boundaries(flagged)
         if "next_observations" in self._has:
-            self._boundaries.breaks(breaks(self._store["observations"], self._store["next_observations"]), "timeouts" in self._has)
+            self._boundaries.breaks(breaks(self._has["observations"], self._has["next_observations"]), "timeouts" in self._has)
         elif "timeouts" not in self._has and self._every is None:
             raise Fault(
                 "nothing says where an episode that did not end by itself was cut: there are no timeouts and no next_observations",

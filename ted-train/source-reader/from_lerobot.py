@@ -1,4 +1,7 @@
-"""LeRobot's datasets, v2 (a parquet file for each episode) and v3 (many episodes in a file). Videos are only named: where they lie and from when to when."""
+"""LeRobot's datasets, v2 (a parquet file for each episode) and v3 (many episodes in a file).
+
+Videos are only named: where they lie and from when to when.
+"""
 
 import json
 import pathlib
@@ -11,7 +14,7 @@ import arrays
 import timing
 from arrow_columns import matrix
 from faults import Fault
-from model import Channel, Episode, Header, Key, Note, Skipped, numbered
+from model import Channel, Episode, Header, Key, Skipped, numbered
 
 REWARD = "next.reward"
 SUCCESS = "next.success"
@@ -61,7 +64,9 @@ class Lerobot:
         self._period_us = round(1e6 / self._info["fps"])
         notes = ["the last frame of each episode gives only its observation: its action and reward are dropped, its success goes to the step before"]
         if DONE in self._features:
-            notes.append("next.done says that an episode ends and not why: it is compared with the end of the episode, and no step counts as terminated")
+            notes.append(
+                "next.done says that an episode ends and not why: it is compared with the end of the episode, and no step counts as terminated"
+            )
         return Header(
             observation,
             action,
@@ -130,7 +135,9 @@ class Lerobot:
         name = f"episode {place.number}"
         frames = table.num_rows
         if frames != place.length:
-            raise Fault(f"the metadata says {place.length} frames and there are {frames}", "download the dataset again", name, min(frames, place.length))
+            raise Fault(
+                f"the metadata says {place.length} frames and there are {frames}", "download the dataset again", name, min(frames, place.length)
+            )
         notes = self._in_time(table, name)
         if frames == 1:
             return Skipped(place.number, name, "one frame only, and no observation after its action")
@@ -166,7 +173,12 @@ class Lerobot:
             wrong = np.flatnonzero(frames != np.arange(len(frames)))
             if wrong.size:
                 step = int(wrong[0])
-                raise Fault(f"frame_index is {frames[step]} in the place of frame {step}: frames are missing, doubled or out of order", "record it again", name, step)
+                raise Fault(
+                    f"frame_index is {frames[step]} in the place of frame {step}: frames are missing, doubled or out of order",
+                    "record it again",
+                    name,
+                    step,
+                )
         if STAMP not in self._features:
             return []
         stamps = matrix(table[STAMP], STAMP, name)[:, 0].astype(np.float64)

@@ -3,8 +3,6 @@
 import json
 import pathlib
 
-import numpy as np
-
 import arrays
 from faults import Fault
 from minari_spaces import leaves
@@ -82,8 +80,8 @@ class Minari:
         actions = arrays.rows(read["actions"], "the action", name)
         if read["total_steps"] is not None and int(read["total_steps"]) != len(actions):
             raise Fault(
-                f"its metadata says {read['total_steps']} steps and there are {len(actions)}; Minari's Arrow writer truncates and reorders episodes of more "
-                "than 32,767 steps",
+                f"its metadata says {read['total_steps']} steps and there are {len(actions)}; Minari's Arrow writer truncates and reorders "
+                "episodes of more than 32,767 steps",
                 "write the dataset again with data_format='hdf5', or in shorter episodes",
                 name,
                 min(int(read["total_steps"]), len(actions)),

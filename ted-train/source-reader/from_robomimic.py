@@ -35,7 +35,9 @@ class Robomimic:
         uses.update({DEFAULT_ACTIONS: "action", "rewards": "reward", "dones": "end flag"})
         found = []
         demo.visititems(
-            lambda name, item: found.append(Key(name, str(item.shape), str(item.dtype), uses.get(name, "not used"))) if hasattr(item, "dtype") else None
+            lambda name, item: (
+                found.append(Key(name, str(item.shape), str(item.dtype), uses.get(name, "not used"))) if hasattr(item, "dtype") else None
+            )
         )
         masks = self._file.get("mask", {})
         return found + [Key(f"mask/{name}", str(masks[name].shape), "names of demos", f"--mask {name}") for name in masks]
@@ -59,7 +61,10 @@ class Robomimic:
             raise Fault(f"no array {self._actions}", f"choose with --actions among: {', '.join(arrays_of(demo))}", demo_name(demo))
         action = [Channel(name) for name in numbered("action", arrays.width_of(demo[self._actions].shape[1:]))]
         if not self._has_next(demo):
-            notes.append("no next_obs: the last row of each demo gives only its observation; its action and reward are dropped, its done goes to the step before")
+            notes.append(
+                "no next_obs: the last row of each demo gives only its observation; its action and reward are dropped, its done goes to the step "
+                "before"
+            )
         about = self._about()
         rate = about.get("env_kwargs", {}).get("control_freq")
         return Header(
@@ -70,7 +75,11 @@ class Robomimic:
             period_us=round(1e6 / rate) if rate else None,
             period_from=f"control_freq = {rate} Hz in env_args" if rate else None,
             episodes=len(self._chosen),
-            steps=sum(len(self._data[name][self._actions]) - (not self._has_next(self._data[name])) for name in self._chosen if self._actions in self._data[name]),
+            steps=sum(
+                len(self._data[name][self._actions]) - (not self._has_next(self._data[name]))
+                for name in self._chosen
+                if self._actions in self._data[name]
+            ),
             task=about.get("env_name"),
             notes=notes,
         )
@@ -87,7 +96,9 @@ class Robomimic:
         actions = demo[self._actions][:]
         samples = demo.attrs.get("num_samples")
         if samples is not None and int(samples) != len(actions):
-            raise Fault(f"num_samples says {samples} and there are {len(actions)} actions", "convert this demo again", name, min(int(samples), len(actions)))
+            raise Fault(
+                f"num_samples says {samples} and there are {len(actions)} actions", "convert this demo again", name, min(int(samples), len(actions))
+            )
         observations = self._concatenated(demo, "obs", name)
         rewards = demo["rewards"][:] if "rewards" in demo else None
         dones = arrays.flags(demo["dones"][:], "dones", name) if "dones" in demo else None
@@ -164,7 +175,9 @@ class Robomimic:
         chosen = [demo.decode() if isinstance(demo, bytes) else str(demo) for demo in masks[name][:]]
         unknown = [demo for demo in chosen if demo not in self._data]
         if unknown or not chosen:
-            raise Fault(f"the mask {name} names {'demos that are not there: ' + ', '.join(unknown[:5]) if unknown else 'no demo'}", "choose another mask")
+            raise Fault(
+                f"the mask {name} names {'demos that are not there: ' + ', '.join(unknown[:5]) if unknown else 'no demo'}", "choose another mask"
+            )
         return chosen
 
     def _about(self):

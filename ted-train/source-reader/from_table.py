@@ -30,16 +30,22 @@ class MappedTable:
         self._allowed = allowed
 
     def keys(self):
-        return [Key(name, "one number" if width == 1 else f"{width} numbers", self._table.types[name], "") for name, width in self._table.widths.items()]
+        return [
+            Key(name, "one number" if width == 1 else f"{width} numbers", self._table.types[name], "") for name, width in self._table.widths.items()
+        ]
 
     def header(self):
         if self._map is None:
-            raise Fault(f"what the columns mean is not said: {', '.join(self._table.widths)}", "say it in a map: --map map.toml, as README.md describes it")
+            raise Fault(
+                f"what the columns mean is not said: {', '.join(self._table.widths)}", "say it in a map: --map map.toml, as README.md describes it"
+            )
         self._map.only(self._name, *self._allowed)
         observation = self._resolve("observation", "columns")
         from_next = self._map.get("action", "from_next")
         if (from_next is None) == (self._map.get("action", "columns") is None):
-            raise Fault("[action] needs either columns or from_next", "name the columns with the commands, or the positions whose next value is the command")
+            raise Fault(
+                "[action] needs either columns or from_next", "name the columns with the commands, or the positions whose next value is the command"
+            )
         action = self._resolve("action", "from_next" if from_next else "columns")
         self._from_next = from_next is not None
         self._parts = {"observation": observation, "action": action}
@@ -128,7 +134,10 @@ class MappedTable:
             head, _, place = name.rpartition("_")
             if name in widths:
                 count = widths[name]
-                found += [(name, None if count == 1 else one, label) for one, label in enumerate([name] if count == 1 else [f"{name}_{one}" for one in range(count)])]
+                found += [
+                    (name, None if count == 1 else one, label)
+                    for one, label in enumerate([name] if count == 1 else [f"{name}_{one}" for one in range(count)])
+                ]
             elif head in widths and place.isdigit() and int(place) < widths[head]:
                 found.append((head, int(place), name))
             else:

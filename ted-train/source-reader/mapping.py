@@ -49,7 +49,9 @@ class Mapping:
             for key in [None] if section == "topics" else content:
                 if section not in allowed and f"{section}.{key}" not in allowed:
                     where = f"[{section}]" if key is None else f"{key} in [{section}]"
-                    raise Fault(f"{self.path}: {where} says nothing to the format {format_name}", f"it looks at: {', '.join(allowed)}; take the rest out")
+                    raise Fault(
+                        f"{self.path}: {where} says nothing to the format {format_name}", f"it looks at: {', '.join(allowed)}; take the rest out"
+                    )
 
     def need(self, section, key):
         value = self.get(section, key)

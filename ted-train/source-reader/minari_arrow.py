@@ -117,8 +117,8 @@ def in_order(observations, lengths, where):
     wrong = borders[(jumps[borders - 1] > FAR * elsewhere).any(axis=1)]
     if wrong.size:
         raise Fault(
-            "the observations jump here, between two blocks of the file, much further than anywhere else: Minari's Arrow writer mixes up the blocks of episodes of more "
-            "than 32,767 steps",
+            "the observations jump here, between two blocks of the file, much further than anywhere else: the blocks are in the wrong order, as "
+            "Minari's Arrow writer leaves them in episodes of more than 32,767 steps",
             "write the dataset again with data_format='hdf5', or in shorter episodes",
             where,
             int(wrong[0]),

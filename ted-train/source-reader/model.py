@@ -1,4 +1,8 @@
-"""What a reader finds: the facts of a source, and its episodes one at a time."""
+"""What a reader finds: the facts of a source, and its episodes one at a time.
+
+A reader has `takes` (the options that say something to it) and three methods: `keys`, what is there for a person to choose from; `header`,
+which comes before the episodes; and `episodes(first)`, which yields Episode or Skipped from that number on. Each raises Fault.
+"""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple, Optional

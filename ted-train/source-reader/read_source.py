@@ -48,7 +48,11 @@ def run(options, sink):
         report(options, frames, Fault("an episode needs more memory than there is", "cut the source into shorter episodes"))
     except Exception as error:  # What a library says of a damaged file is its own.
         traceback.print_exc()
-        report(options, frames, Fault(f"it cannot be read: {type(error).__name__}: {error}", "the file may be damaged: open it with the library that wrote it"))
+        report(
+            options,
+            frames,
+            Fault(f"it cannot be read: {type(error).__name__}: {error}", "the file may be damaged: open it with the library that wrote it"),
+        )
     return FAULTY
 
 

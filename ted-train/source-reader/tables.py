@@ -1,7 +1,7 @@
 """Tables, read in blocks of rows: .npz, CSV and JSONL. Each has `widths`, the numbers in each column, and `blocks`.
 
-`blocks(columns)` takes {column: NUMBER, TEXT or TIME} and yields {column: array of some rows}: numbers as they are (matrices where a column is wide), texts
-as strings, times as int64 where all of a block are whole, else float64.
+`blocks(columns)` takes {column: NUMBER, TEXT or TIME} and yields {column: array of some rows}: numbers as they are (matrices where a column
+is wide), texts as strings, times as int64 where all of a block are whole, else float64.
 """
 
 import json
@@ -33,7 +33,9 @@ class NpzTable:
         counts = {name: len(self._arrays[name]) for name in columns}
         if len(set(counts.values())) > 1:
             lengths = ", ".join(f"{name} {count}" for name, count in counts.items())
-            raise Fault(f"the arrays have different lengths: {lengths}", "write the file again, or take the odd one out of the map", step=min(counts.values()))
+            raise Fault(
+                f"the arrays have different lengths: {lengths}", "write the file again, or take the odd one out of the map", step=min(counts.values())
+            )
         total = next(iter(counts.values()))
         for begin in range(0, total, arrays.CHUNK_ROWS):
             block = {}
@@ -181,4 +183,6 @@ def stamps(values, name):
     try:
         return np.array([np.nan if value is None or value == "" else float(value) for value in values])
     except (ValueError, TypeError) as error:
-        raise Fault(f"the time column {name} holds something that is no number: {error}", "write times as numbers, and say their unit in [time]") from error
+        raise Fault(
+            f"the time column {name} holds something that is no number: {error}", "write times as numbers, and say their unit in [time]"
+        ) from error

@@ -103,7 +103,9 @@ class Bags(Reading):
         store = get_typestore(Stores.ROS2_JAZZY)
         types = store.types
         with BagWriter(path, version=9, storage_plugin=plugin) as writer:
-            connections = {topic: writer.add_connection(topic, name, typestore=store) for topic, name in (("/joint_states", JOINTS), ("/command", COMMAND))}
+            connections = {
+                topic: writer.add_connection(topic, name, typestore=store) for topic, name in (("/joint_states", JOINTS), ("/command", COMMAND))
+            }
             for time, topic, value in events:
                 if topic == "/command":
                     layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)

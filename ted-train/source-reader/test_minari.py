@@ -1,4 +1,7 @@
-"""Minari's datasets, written by the package itself: HDF5, Arrow and Parquet, dictionaries of observations, and what its Arrow writer does to long episodes."""
+"""Minari's datasets, written by the package itself: HDF5, Arrow and Parquet, dictionaries of observations.
+
+And what its Arrow writer does to long episodes.
+"""
 
 import json
 import os
@@ -18,12 +21,13 @@ from reading import Reading, numbers
 LENGTHS = [5, 8, 3]
 VECTOR = Box(-np.inf, np.inf, (4,), np.float64)
 PARTS = Dict({"arm": Box(-2, 2, (2,), np.float32), "hand": Dict({"grip": Box(0, 1, (1,), np.float64)}), "camera": Box(0, 255, (32, 32, 3), np.uint8)})
+BOUNDED = Box(-1, 2, (2,), np.float32)
 WALK = Box(-np.inf, np.inf, (2,), np.float32)
 FORMATS = ["hdf5", "arrow", "parquet"]
 
 
 class Minari(Reading):
-    def write(self, data_format, observation_space=VECTOR, action_space=Box(-1, 2, (2,), np.float32), lengths=LENGTHS):
+    def write(self, data_format, observation_space=VECTOR, action_space=BOUNDED, lengths=LENGTHS):
         warnings.simplefilter("ignore")
         os.environ["MINARI_DATASETS_PATH"] = str(self.folder)
         self.written = [buffer(number, steps, observation_space, action_space) for number, steps in enumerate(lengths)]
@@ -97,7 +101,9 @@ class Minari(Reading):
         about = json.loads((path / "data/metadata.json").read_text())
         (path / "data/metadata.json").unlink()
         with h5py.File(path / "data/main_data.hdf5", "a") as file:
-            file.attrs.update({**{key: about[key] for key in ("total_episodes", "total_steps", "observation_space", "action_space")}, "minari_version": "0.4.3"})
+            file.attrs.update(
+                {**{key: about[key] for key in ("total_episodes", "total_steps", "observation_space", "action_space")}, "minari_version": "0.4.3"}
+            )
         source, episodes = self.whole(path)
         self.assertEqual((source["steps"], len(episodes)), (16, 3))
         self.assertEqual(source["action"][0]["high"], 2.0)
