@@ -1,7 +1,7 @@
 """Recordings of ROS 2: an MCAP file, whose messages are CDR or JSON, or a rosbag2 folder with either storage.
 
-Each has `topics` ({topic: type and encoding}), `first` (one message of a topic), `times` (of a topic) and `messages` (of some topics, by
-time). All times are nanoseconds of the recorder's clock.
+Each has `topics` ({topic: type and encoding}), `span` (first and last time), `first` (one message of a topic), `times` (of a topic) and
+`messages` (of some topics, by time). All times are nanoseconds of the recorder's clock.
 """
 
 import json
@@ -20,8 +20,9 @@ class McapFile:
                 summary = self._reader(file).get_summary()
         except McapError as error:
             raise Fault(f"it is no whole MCAP file: {error}", "repair it with `mcap recover`") from error
-        if summary is None or not summary.channels:
+        if summary is None or summary.statistics is None or not summary.channels:
             raise Fault("the MCAP file has no index: the recording was not closed", "repair it with `mcap recover`")
+        self.span = (summary.statistics.message_start_time, summary.statistics.message_end_time)
         self.topics = {}
         for channel in summary.channels.values():
             schema = summary.schemas.get(channel.schema_id)
@@ -74,6 +75,7 @@ class BagFolder:
             self._reader.open()
         except (AnyReaderError, AssertionError) as error:
             raise Fault(f"the bag cannot be read: {error}", "rebuild its metadata with `ros2 bag reindex`") from error
+        self.span = (self._reader.start_time, self._reader.end_time)
         self.topics = {connection.topic: f"{connection.msgtype} (cdr)" for connection in self._reader.connections}
 
     def first(self, topic):

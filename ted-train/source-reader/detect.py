@@ -148,7 +148,7 @@ def of_hdf5(path):
             return "robomimic"
         if any(name.startswith("episode_") for name in names):
             return "minari"
-        if "observations" in file and "actions" in file and hasattr(file["actions"], "dtype"):
+        if all(name in file and hasattr(file[name], "dtype") for name in ("observations", "actions")):
             return "d4rl"
     raise unclear(f"an HDF5 file with {few(names)}")
 

@@ -56,6 +56,7 @@ class Frames:
                 "number": episode.number,
                 "name": episode.name,
                 "steps": steps,
+                "share": episode.share,
                 "arrays": [{"name": name, "type": ARRAYS[name], "shape": list(values.shape)} for name, values in arrays.items()],
                 "notes": [{"step": note.step, "what": note.what} for note in episode.notes],
                 "videos": episode.videos,

@@ -35,6 +35,14 @@ class Bag(MappedTable):
             found += [Key(f"    {path}", "", "", "") for path in ([] if message is None else leaves(message))]
         return found
 
+    def header(self):
+        if self._map is None:
+            topics = ", ".join(sorted(self._bag.topics))
+            raise Fault(
+                f"what the topics mean is not said: {topics}", "say it in a map: --map map.toml, as README.md describes it; --describe prints fields"
+            )
+        return super().header()
+
     def _clock(self):
         return STAMP, "ns"
 
@@ -52,6 +60,7 @@ class Bag(MappedTable):
 class BagTable:
     def __init__(self, bag, map):
         self._bag = bag
+        self._time = bag.span[0]
         self.period_us = None
         self.period_from = None
         self.widths, self.types, self._fields = {STAMP: 1}, {STAMP: "time"}, {}
@@ -83,6 +92,10 @@ class BagTable:
         self.period_us = timing.period(np.diff(times) / 1e3, f"the topic {topic}")
         self.period_from = f"the median difference of the first {len(times)} messages of {topic}"
 
+    def share(self):
+        begin, end = self._bag.span
+        return min((self._time - begin) / max(end - begin, 1), 1.0)
+
     def blocks(self, columns):
         wanted = {}
         for column in columns:
@@ -97,6 +110,7 @@ class BagTable:
                 return
             block = {column: self._values(some, column, kind) for column, kind in columns.items() if column != STAMP}
             block[STAMP] = np.array([row[0] for row in some], np.int64)
+            self._time = some[-1][0]
             block[WORDS] = np.array([row[2] for row in some], object)
             yield block
 

@@ -46,7 +46,15 @@ class Lerobot:
         self._actions = options.actions or "action"
 
     def keys(self):
-        uses = {"observation.state": "observation", "action": "action", REWARD: "reward", SUCCESS: "success", DONE: "end flag", STAMP: "time"}
+        uses = {
+            "observation.state": "observation",
+            "action": "action",
+            REWARD: "reward",
+            SUCCESS: "success",
+            DONE: "checked",
+            STAMP: "checked",
+            FRAME: "checked",
+        }
         found = []
         for name, about in self._features.items():
             use = "named, not read" if about.get("dtype") in ("video", "image") else uses.get(name, "not used")

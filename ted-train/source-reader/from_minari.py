@@ -1,15 +1,13 @@
 """Minari's own datasets: HDF5 and Arrow (or Parquet) storage, with the metadata of 0.4 (HDF5 attributes) and of 0.5 (metadata.json)."""
 
-import json
 import pathlib
 
 import arrays
 from faults import Fault
+from minari_metadata import MAIN_FILE, METADATA, data_folder, env_name, read_json
 from minari_spaces import leaves
 from model import Channel, Episode, Header, Key, Note, numbered
 
-MAIN_FILE = "main_data.hdf5"
-METADATA = "metadata.json"
 SUCCESS = ("success", "is_success")
 PER_STEP = ("rewards", "terminations", "truncations")
 
@@ -19,8 +17,7 @@ class Minari:
 
     def __init__(self, path, options):
         folder = data_folder(pathlib.Path(path))
-        file = folder / METADATA
-        self._about = read_json(file) if file.exists() else {}
+        self._about = read_json(folder / METADATA)
         if (folder / MAIN_FILE).exists():
             from minari_hdf5 import Hdf5Episodes as Episodes
         else:
@@ -117,29 +114,3 @@ class Minari:
                 low, high = space.bounds(f"{key}/{name}" if name else key)
             channels += [Channel(*one) for one in zip(numbered(name or label, len(low)), low, high)]
         return channels
-
-
-def data_folder(path):
-    """Where the episodes lie, whether the dataset, its data folder or its HDF5 file is named."""
-    if path.is_file():
-        return path.parent
-    inner = path / "data"
-    return inner if inner.is_dir() and not (path / MAIN_FILE).exists() else path
-
-
-def read_json(path):
-    """Reads JSON as Python writes it, with NaN and Infinity. Raises Fault."""
-    try:
-        return json.loads(path.read_text())
-    except OSError as error:
-        raise Fault(f"{path} cannot be read: {error.strerror}", "download or write the dataset again") from error
-    except ValueError as error:
-        raise Fault(f"{path} is no JSON: {error}", "download or write the dataset again") from error
-
-
-def env_name(spec):
-    """The environment's id in a serialised specification; None where there is none."""
-    try:
-        return json.loads(spec).get("id") if spec else None
-    except ValueError:
-        return None

@@ -29,9 +29,9 @@ class Robomimic:
 
     def keys(self):
         demo = self._first()
-        chosen, images = self._default(demo)
+        chosen, others = self._default(demo)
         uses = {f"obs/{key}": "observation" for key in chosen}
-        uses.update({f"obs/{key}": "an image: left out" for key in images})
+        uses.update({f"obs/{key}": "left out: no vector of numbers" for key in others})
         uses.update({DEFAULT_ACTIONS: "action", "rewards": "reward", "dones": "end flag"})
         found = []
         demo.visititems(
@@ -46,9 +46,9 @@ class Robomimic:
         demo = self._first()
         notes = []
         if self._observations is None:
-            self._observations, images = self._default(demo)
-            if images:
-                notes.append(f"left out as images: {', '.join(images)}")
+            self._observations, others = self._default(demo)
+            if others:
+                notes.append(f"left out, as they are images or no numbers: {', '.join(others)}")
             if not self._observations:
                 raise Fault(
                     "there are no low-dimensional observations under obs/",
@@ -127,12 +127,12 @@ class Robomimic:
         return self._data[min(self._chosen, key=number_of)]
 
     def _default(self, demo):
-        """The low-dimensional observations in the order of their names, and the images."""
-        chosen, images = [], []
+        """The observations that are vectors of numbers, in the order of their names, and the others."""
+        chosen, others = [], []
         for key, array in sorted(demo.get("obs", {}).items()):
-            if hasattr(array, "dtype") and arrays.is_number(array.dtype):
-                (images if arrays.is_image(array.shape[1:], array.dtype) else chosen).append(key)
-        return chosen, images
+            vector = hasattr(array, "dtype") and arrays.is_number(array.dtype) and not arrays.is_image(array.shape[1:], array.dtype)
+            (chosen if vector else others).append(key)
+        return chosen, others
 
     def _find(self, demo, group, key):
         """The array of this key, under obs/ or beside it; None where there is none."""

@@ -105,6 +105,7 @@ class MappedTable:
             terminations=flags.get("terminated"),
             truncations=flags.get("truncated"),
             success=flags.get("success"),
+            share=self._table.share(),
             notes=notes,
         )
 
@@ -156,6 +157,8 @@ class MappedTable:
             return
         if name not in self._table.widths:
             self._no_column(name)
+        if section in FLAGS and self._columns.get(name) == NUMBER:
+            return  # A reward of 0 and 1 may be the success as well.
         if self._columns.get(name, kind) != kind:
             raise Fault(f"the column {name} is a number of the robot and the {section} as well", "write it into the file twice, under two names")
         self._columns[name] = kind
@@ -228,12 +231,15 @@ def gathered(block, columns):
     return np.concatenate([block[name] if place is None else block[name][:, place : place + 1] for name, place, _ in columns], axis=1)
 
 
-def raised(texts):
-    return np.array([text in TRUE for text in texts], bool)
+def raised(values):
+    """Where flags, as texts or numbers, are set."""
+    return values[:, 0] == 1 if values.ndim == 2 else np.array([text in TRUE for text in values], bool)
 
 
 def as_flags(texts, what, episode):
-    """Texts as one boolean per row. Raises Fault where one is neither."""
+    """Texts or numbers as one boolean per row. Raises Fault where one is neither."""
+    if texts.ndim == 2:
+        return arrays.flags(texts, what, episode)
     wrong = np.flatnonzero(np.array([text not in TRUE and text not in FALSE for text in texts], bool))
     if wrong.size:
         step = int(wrong[0])

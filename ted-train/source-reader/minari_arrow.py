@@ -7,6 +7,7 @@ import pyarrow as pa
 
 from arrow_columns import matrix
 from faults import Fault
+from minari_metadata import METADATA, read_json
 from model import Note
 
 # A jump between two blocks that is so many times the largest elsewhere in the episode is no motion of the robot.
@@ -46,12 +47,9 @@ class ArrowEpisodes:
         return matrix(self._find(self._first(), key, name, None), key).shape[1]
 
     def read(self, identity, chosen, success):
-        from from_minari import read_json
-
         where = f"episode {identity}"
         table = self._table(identity)
-        file = self._folder / str(identity) / "metadata.json"
-        about = read_json(file) if file.exists() else {}
+        about = read_json(self._folder / str(identity) / METADATA)
         read = {key: matrix(self._padded(table, key, where), key, where) for key in ("actions", "rewards", "terminations", "truncations")}
         parts = [matrix(self._find(table, "observations", name, where), name or "the observation", where) for name in chosen or [None]]
         read["observations"] = np.concatenate(parts, axis=1)

@@ -4,6 +4,7 @@ import numpy as np
 
 import arrays
 from faults import Fault
+from minari_metadata import MAIN_FILE
 
 TEXTS = ("observation_space", "action_space", "env_spec")
 
@@ -12,7 +13,7 @@ class Hdf5Episodes:
     def __init__(self, folder, about):
         import h5py
 
-        path = folder / "main_data.hdf5"
+        path = folder / MAIN_FILE
         self._file = h5py.File(path, "r")
         groups = [name for name in self._file if name.startswith("episode_") and name[8:].isdigit()]
         self._ids = sorted(int(name[8:]) for name in groups)
@@ -44,7 +45,10 @@ class Hdf5Episodes:
         return [path[len(head) :] for path, _, _ in self.keys() if path.startswith(head)]
 
     def width(self, key, name):
-        return arrays.width_of(self._find(self._group(self._ids[0]), key, name).shape[1:])
+        array = self._find(self._group(self._ids[0]), key, name)
+        if arrays.is_image(array.shape[1:], array.dtype):
+            raise Fault(f"{name or key} are images of the shape {array.shape[1:]}", "only vectors of numbers can be imported: choose other keys")
+        return arrays.width_of(array.shape[1:])
 
     def read(self, identity, chosen, success):
         group = self._group(identity)

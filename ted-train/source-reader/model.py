@@ -53,7 +53,8 @@ class Note(NamedTuple):
 class Episode:
     """T steps: `observations` has T + 1 rows, everything else T; what the source does not have is None.
 
-    `number` is the place in the source, counted from 0, and does not depend on where reading began.
+    `number` is the place in the source, counted from 0, and does not depend on where reading began. `share` is how much of the source was
+    read, from 0 to 1, where its episodes are not known beforehand.
     """
 
     number: int
@@ -64,6 +65,7 @@ class Episode:
     terminations: object = None
     truncations: object = None
     success: object = None
+    share: Optional[float] = None
     notes: list = field(default_factory=list)
     videos: list = field(default_factory=list)
 

@@ -44,6 +44,8 @@ def run(options, sink):
         report(options, frames, fault)
     except BrokenPipeError:
         raise
+    except PermissionError as error:
+        report(options, frames, Fault(f"{error.filename} may not be read", "give yourself the right to read it"))
     except MemoryError:
         report(options, frames, Fault("an episode needs more memory than there is", "cut the source into shorter episodes"))
     except Exception as error:  # What a library says of a damaged file is its own.
@@ -95,9 +97,17 @@ def parsed(arguments):
     parser.add_argument("--actions")
     parser.add_argument("--mask")
     parser.add_argument("--drop", action="append", choices=check.DROPS, default=[])
-    parser.add_argument("--from-episode", type=int, default=0)
+    parser.add_argument("--from-episode", type=count, default=0)
     parser.add_argument("--describe", action="store_true")
     return parser.parse_args(arguments)
+
+
+def count(text):
+    """A whole number that is not below 0."""
+    number = int(text)
+    if number < 0:
+        raise ValueError
+    return number
 
 
 if __name__ == "__main__":

@@ -1,10 +1,14 @@
-"""Tables, read in blocks of rows: .npz, CSV and JSONL. Each has `widths`, the numbers in each column, and `blocks`.
+"""Tables, read in blocks of rows: .npz, CSV and JSONL.
+
+Each has `widths`, the numbers in each column; `types`, for a person; `blocks`; and `share`, how much of it was read, from 0 to 1.
 
 `blocks(columns)` takes {column: NUMBER, TEXT or TIME} and yields {column: array of some rows}: numbers as they are (matrices where a column
 is wide), texts as strings, times as int64 where all of a block are whole, else float64.
 """
 
+import codecs
 import json
+import os
 
 import numpy as np
 
@@ -28,6 +32,10 @@ class NpzTable:
         self._arrays = Npz(path)
         self.widths = {name: arrays.width_of(self._arrays[name].shape[1:]) for name in self._arrays}
         self.types = {name: str(self._arrays[name].dtype) for name in self._arrays}
+        self._share = 0.0
+
+    def share(self):
+        return self._share
 
     def blocks(self, columns):
         counts = {name: len(self._arrays[name]) for name in columns}
@@ -49,6 +57,7 @@ class NpzTable:
                 else:
                     values = arrays.rows(values, name)
                 block[name] = values
+            self._share = min((begin + arrays.CHUNK_ROWS) / total, 1.0)
             yield block
 
 
@@ -57,6 +66,7 @@ class CsvTable:
 
     def __init__(self, path):
         self._path = path
+        self._size = max(os.path.getsize(path), 1)
         names = self._open({}).schema.names
         doubled = sorted({name for name in names if names.count(name) > 1})
         if doubled:
@@ -73,6 +83,9 @@ class CsvTable:
         except pa.ArrowInvalid as error:
             raise Fault(f"a line cannot be read: {error}", "correct it in the file, or take the column out of the map") from error
 
+    def share(self):
+        return self._file.tell() / self._size
+
     def _open(self, columns):
         import pyarrow as pa
         from pyarrow import csv
@@ -80,7 +93,8 @@ class CsvTable:
         types = {name: pa.float64() if kind == NUMBER else pa.string() for name, kind in columns.items()}
         convert = csv.ConvertOptions(include_columns=list(columns) or None, column_types=types)
         try:
-            return csv.open_csv(self._path, csv.ReadOptions(block_size=CSV_BLOCK), convert_options=convert)
+            self._file = pa.OSFile(str(self._path))
+            return csv.open_csv(self._file, csv.ReadOptions(block_size=CSV_BLOCK), convert_options=convert)
         except pa.ArrowInvalid as error:
             raise Fault(f"it is no table: {error}", "the first line names the columns, and commas separate them") from error
 
@@ -96,6 +110,8 @@ class JsonlTable:
 
     def __init__(self, path):
         self._path = path
+        self._size = max(os.path.getsize(path), 1)
+        self._read = 0
         first = next(self._rows(), None)
         if first is None:
             raise Fault("it has no line", "name another file")
@@ -111,6 +127,9 @@ class JsonlTable:
                 pending = []
         if pending:
             yield self._block(pending, columns)
+
+    def share(self):
+        return self._read / self._size
 
     def _block(self, rows, columns):
         block = {}
@@ -136,8 +155,11 @@ class JsonlTable:
         return numbers
 
     def _rows(self):
-        with open(self._path, encoding="utf-8-sig") as file:
+        self._read = 0
+        with open(self._path, "rb") as file:
             for line, text in enumerate(file, 1):
+                self._read += len(text)
+                text = text.removeprefix(codecs.BOM_UTF8) if line == 1 else text
                 if not text.strip():
                     continue
                 try:

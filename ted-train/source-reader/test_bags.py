@@ -139,6 +139,7 @@ class Bags(Reading):
             self.same(episode["observations"][:, 1], np.arange(0, 8) + 100.25)
             self.same(episode["actions"][:, 0], np.arange(0, 7) + 0.5)
             self.assertEqual(episode["notes"], [])
+            self.assertAlmostEqual(episode["share"], 1.0)
 
     def test_a_gap_of_more_than_three_periods_cuts_the_episode_and_is_told(self):
         path = self.write_mcap(recording([*range(6), *range(20, 25)]))
@@ -192,7 +193,7 @@ class Bags(Reading):
             fault = self.fault(path, *self.map(MAP.replace(old, new)))
             self.assertIn(words, fault["what"])
             self.assertIn(way_out, fault["way_out"])
-        self.assertIn("what the columns mean", self.fault(path)["what"])
+        self.assertIn("what the topics mean is not said: /command, /joint_states", self.fault(path)["what"])
 
     def test_the_description_names_topics_and_fields(self):
         text = self.described(self.write_mcap(recording()))

@@ -61,6 +61,7 @@ class Layout(unittest.TestCase):
                 "number": 3,
                 "name": "demo_3",
                 "steps": 1,
+                "share": None,
                 "arrays": [
                     {"name": "observations", "type": "f32", "shape": [2, 1]},
                     {"name": "actions", "type": "f64", "shape": [1, 1]},
@@ -111,7 +112,8 @@ class Process(Reading):
         self.assertIn("way out: name a file", done.stderr.decode())
 
     def test_unknown_options_are_usage_and_exit_status_2(self):
-        self.assertEqual(self.run_it(self.write(), "--colour").returncode, 2)
+        for option in (["--colour"], ["--from-episode", "-1"], ["--format", "bag"], ["--drop", "all"]):
+            self.assertEqual(self.run_it(self.write(), *option).returncode, 2)
 
     def test_a_parent_that_goes_away_ends_it_without_a_trace(self):
         process = subprocess.Popen([sys.executable, "-Es", str(SCRIPT), str(self.write(400_000))], stdout=subprocess.PIPE, stderr=subprocess.PIPE)

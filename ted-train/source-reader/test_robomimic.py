@@ -45,7 +45,7 @@ class Robomimic(Reading):
         source, episodes = self.whole(self.write())
         self.assertEqual(source["format"], "robomimic")
         self.assertEqual([channel["name"] for channel in source["observation"]], ["eef_pos_0", "eef_pos_1", "eef_pos_2", "object_0", "object_1"])
-        self.assertIn("left out as images: agentview_image", source["notes"])
+        self.assertIn("left out, as they are images or no numbers: agentview_image", source["notes"])
         self.assertEqual((source["period_us"], source["task"], source["steps"]), (50_000, "Lift", 15))
         self.assertIn("control_freq", source["period_from"])
         self.assertEqual([episode["name"] for episode in episodes], ["demo_0", "demo_2", "demo_10"])
@@ -107,7 +107,7 @@ class Robomimic(Reading):
 
     def test_the_description_shows_keys_and_choices(self):
         text = self.described(self.write())
-        for words in ["obs/agentview_image", "an image: left out", "--mask train", "eef_pos_2", "20 Hz"]:
+        for words in ["obs/agentview_image", "left out: no vector of numbers", "--mask train", "eef_pos_2", "20 Hz"]:
             self.assertIn(words, text)
 
 

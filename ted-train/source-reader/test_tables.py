@@ -81,6 +81,21 @@ class Tables(Reading):
                 self.same(episode["rewards"], rows["r"][there][:-1])
                 begin += length
             self.same(episodes[1]["success"], [False, False, True])
+            self.assertEqual(episodes[1]["share"], 1.0)
+
+    def test_how_much_was_read_is_told_on_the_way(self):
+        rows = {name: values * 400 for name, values in self.rows().items()}
+        rows["episode"] = [f"{row // 9}" for row in range(9 * 400)]
+        rows["t"] = [0.02 * row for row in range(9 * 400)]
+        for name, module, value in [("JSON_ROWS", tables, 90), ("CSV_BLOCK", tables, 4000), ("CHUNK_ROWS", npy_rows.arrays, 90)]:
+            self.addCleanup(setattr, module, name, getattr(module, name))
+            setattr(module, name, value)
+        for kind in ALL:
+            _, episodes = self.whole(self.write(kind, rows), *self.map(MAP))
+            shares = [episode["share"] for episode in episodes]
+            self.assertEqual((len(shares), shares, shares[-1]), (400, sorted(shares), 1.0))
+            # pyarrow reads some blocks ahead.
+            self.assertLess(shares[0], 0.6)
 
     def test_blocks_of_any_size_give_the_same_episodes(self):
         for name, module, value in [("JSON_ROWS", tables, 2), ("CSV_BLOCK", tables, 200), ("CHUNK_ROWS", npy_rows.arrays, 2)]:
@@ -178,6 +193,12 @@ class Tables(Reading):
         flags[2] = 0.5
         fault = self.fault(*self.change("jsonl", ok=flags))
         self.assertEqual((fault["episode"], fault["step"]), ("first", 2))
+
+    def test_one_column_may_be_the_reward_and_the_success(self):
+        for kind in ALL:
+            source, episodes = self.whole(*self.change(kind, MAP.replace('column = "r"', 'column = "ok"')))
+            self.assertEqual(episodes[1]["success"].tolist(), [False, False, True])
+            self.same(episodes[1]["rewards"], [0.0, 0.0, 0.0])
 
     def test_the_action_may_be_the_next_position(self):
         rows = self.rows()
