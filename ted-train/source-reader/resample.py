@@ -11,7 +11,6 @@ class Resampler:
         self._gap = gap
         self._latest = {}
         self._arrived = {}
-        self._fresh = set()
         self._tick = None
         self._rows = []
         self._words = None
@@ -24,14 +23,12 @@ class Resampler:
             before = self._arrived.get(topic)
             if topic in self._judged and before is not None and time - before > self._gap:
                 self._forget(before + self._period)
-                self._fresh = self._fresh - {topic} if self._tick is None else set()
                 self._tick = None
             if before == time:
                 self._words = f"{topic} has two messages of the same time: the later one counts"
             self._latest.update((column, field.of(message)) for column, field in self._columns[topic].items())
             self._arrived[topic] = time
-            self._fresh.add(topic)
-            if self._tick is None and all(one in (self._fresh if one in self._judged else self._arrived) for one in self._columns):
+            if self._tick is None and all(one in self._arrived for one in self._columns):
                 self._tick = time
             yield from self._settled(min((self._arrived.get(one, time) for one in self._judged), default=time))
         if time is not None:

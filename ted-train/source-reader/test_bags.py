@@ -227,6 +227,12 @@ class Resampling(unittest.TestCase):
         messages = [("a", 0, 0), ("b", 0, 0)] + [("b", time, time) for time in range(10, 100, 10)]
         self.assertEqual([time for time, _ in self.rows(messages)], [0, 10])
 
+    def test_after_a_gap_no_row_has_a_value_from_before_it(self):
+        messages = [("a", 0, 0), ("b", 0, 0), ("a", 10, 1), ("b", 10, 1), ("a", 100, 2), ("a", 110, 3), ("b", 115, 4), ("a", 120, 5), ("b", 125, 6)]
+        rows = self.rows(messages)
+        self.assertEqual(rows[-2:], [(115, {"a": 3, "b": 4}), (125, {"a": 5, "b": 6})])
+        self.assertEqual([time for time, _ in rows[:-2]], [0, 10, 20])
+
     def test_silence_of_years_makes_no_rows(self):
         messages = [("a", 0, 0), ("b", 0, 0), ("a", 10**15, 1), ("b", 10**15, 1)]
         self.assertEqual([time for time, _ in self.rows(messages)], [0, 10, 10**15])

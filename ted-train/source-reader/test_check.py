@@ -48,6 +48,17 @@ class Checks(Reading):
             self.assertEqual(note["step"], 3)
             self.assertIn(f"the last {6 - steps} steps are dropped", note["what"])
 
+    def test_of_several_numbers_that_are_none_the_first_in_time_cuts(self):
+        def spoil_two(arrays):
+            arrays["obs/joints"][5, 0] = np.nan
+            arrays["actions"][1, 0] = np.nan
+            arrays["rewards"][3] = np.inf
+
+        path = self.write(spoil_two)
+        self.assertEqual((self.fault(path)["what"], self.fault(path)["step"]), ("action channel action_0 is nan", 1))
+        _, episodes = self.whole(path, "--drop", "nan")
+        self.assertEqual(episodes[1]["steps"], 1)
+
     def test_an_episode_of_which_nothing_is_left_is_skipped_by_name(self):
         def spoil_first(arrays):
             arrays["obs/joints"][0] = np.nan

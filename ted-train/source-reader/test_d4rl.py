@@ -112,6 +112,9 @@ class D4rlFiles(Reading):
             source, episodes = self.whole(path)
             self.assertEqual((source["format"], source["steps"]), ("npz", ROWS))
             self.same(np.concatenate([episode["actions"] for episode in episodes]), written["actions"])
+            _, rest = self.whole(path, "--from-episode", "1")
+            self.same(rest[0]["observations"], episodes[1]["observations"])
+            self.same(rest[1]["actions"], episodes[2]["actions"])
 
     def test_integers_booleans_and_other_floats_widen_exactly(self):
         written = self.arrays()

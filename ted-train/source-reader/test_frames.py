@@ -98,6 +98,14 @@ class Process(Reading):
         self.assertEqual((done.returncode, done.stderr), (0, b""))
         self.assertEqual([frame["kind"] for frame in parse(done.stdout)], ["source", "episode", "end"])
 
+    def test_what_a_library_prints_does_not_come_between_the_frames(self):
+        words = f"import os, sys; sys.path.insert(0, {str(SCRIPT.parent)!r}); import read_source\n"
+        words += "read = read_source.read\ndef noisy(*arguments): os.write(1, b'noise'); print('noise', flush=True); read(*arguments)\n"
+        words += "read_source.read = noisy; sys.exit(read_source.main(sys.argv[1:]))"
+        done = subprocess.run([sys.executable, "-Es", "-c", words, str(self.write())], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual([frame["kind"] for frame in parse(done.stdout)], ["source", "episode", "end"])
+        self.assertEqual(done.stderr, b"noisenoise\n")
+
     def test_a_fault_is_a_frame_and_exit_status_3(self):
         done = self.run_it(self.folder / "none")
         self.assertEqual(done.returncode, 3)

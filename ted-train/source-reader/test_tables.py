@@ -26,6 +26,8 @@ column = "t"
 unit = "s"
 """
 LENGTHS = {"first": 5, "second": 4}
+# What says how much is read at once.
+SIZES = [("JSON_ROWS", tables), ("CSV_BLOCK", tables), ("CHUNK_ROWS", npy_rows.arrays)]
 ALL = ("npz", "csv", "jsonl")
 
 
@@ -87,9 +89,9 @@ class Tables(Reading):
         rows = {name: values * 400 for name, values in self.rows().items()}
         rows["episode"] = [f"{row // 9}" for row in range(9 * 400)]
         rows["t"] = [0.02 * row for row in range(9 * 400)]
-        for name, module, value in [("JSON_ROWS", tables, 90), ("CSV_BLOCK", tables, 4000), ("CHUNK_ROWS", npy_rows.arrays, 90)]:
+        for name, module in SIZES:
             self.addCleanup(setattr, module, name, getattr(module, name))
-            setattr(module, name, value)
+            setattr(module, name, 4000 if name == "CSV_BLOCK" else 90)
         for kind in ALL:
             _, episodes = self.whole(self.write(kind, rows), *self.map(MAP))
             shares = [episode["share"] for episode in episodes]
@@ -98,13 +100,19 @@ class Tables(Reading):
             self.assertLess(shares[0], 0.6)
 
     def test_blocks_of_any_size_give_the_same_episodes(self):
-        for name, module, value in [("JSON_ROWS", tables, 2), ("CSV_BLOCK", tables, 200), ("CHUNK_ROWS", npy_rows.arrays, 2)]:
+        for name, module in SIZES:
             self.addCleanup(setattr, module, name, getattr(module, name))
-            setattr(module, name, value)
-        for kind in ALL:
+        # The second episode begins with row 5: inside a block, and at the border of two.
+        for rows in (2, 5):
+            for name, module in SIZES:
+                setattr(module, name, 100 * rows if name == "CSV_BLOCK" else rows)
             self.test_every_number_is_read_from_each_kind()
-            _, episodes = self.whole(self.write(kind, self.rows()), *self.map(MAP), "--from-episode", "1")
-            self.assertEqual([(episode["number"], episode["name"]) for episode in episodes], [(1, "second")])
+            self.test_a_gap_in_time_cuts_and_is_told()
+            self.test_a_number_of_rows_cuts()
+            self.test_end_flags_cut_where_no_other_rule_does()
+            for kind in ALL:
+                _, episodes = self.whole(self.write(kind, self.rows()), *self.map(MAP), "--from-episode", "1")
+                self.assertEqual([(episode["number"], episode["name"]) for episode in episodes], [(1, "second")])
 
     def test_a_gap_in_time_cuts_and_is_told(self):
         times = [0.02 * step for step in range(5)] + [9.0 + 0.02 * step for step in range(4)]
@@ -147,6 +155,12 @@ class Tables(Reading):
                 fault = self.fault(*self.change(kind, t=times))
                 self.assertIn(words, fault["what"])
                 self.assertEqual((fault["episode"], fault["step"]), ("first", 2))
+
+    def test_the_time_between_episodes_has_no_part_in_the_period(self):
+        times = [row // 2 + 0.02 * (row % 2) for row in range(9)]
+        for kind in ALL:
+            source, episodes = self.whole(*self.change(kind, episode=[f"{row // 2}" for row in range(9)], t=times))
+            self.assertEqual((source["period_us"], len(episodes)), (20_000, 4))
 
     def test_gaps_and_jitter_are_told_with_their_steps(self):
         times = self.rows()["t"]
