@@ -14,13 +14,14 @@ const WAIT_FOR_END: Duration = Duration::from_secs(1);
 
 /// Listens to a stream on a thread of its own until the stream ends.
 #[derive(Debug)]
-pub(crate) struct Listener {
+pub struct Listener {
     lines: Arc<Mutex<VecDeque<String>>>,
     ended: Receiver<()>,
 }
 
 impl Listener {
-    pub(crate) fn new(stream: impl Read + Send + 'static) -> Self {
+    /// Listens to this one.
+    pub fn new(stream: impl Read + Send + 'static) -> Self {
         let lines = Arc::new(Mutex::new(VecDeque::new()));
         let (end, ended) = channel();
         let kept = Arc::clone(&lines);
@@ -42,7 +43,8 @@ impl Listener {
     }
 
     /// What the process said last, complete if it is dead.
-    pub(crate) fn words(&self) -> LastWords {
+    #[must_use]
+    pub fn words(&self) -> LastWords {
         self.ended.recv_timeout(WAIT_FOR_END).ok();
         LastWords(lock(&self.lines).iter().cloned().collect())
     }

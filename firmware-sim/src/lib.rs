@@ -20,7 +20,7 @@ pub mod failure;
 #[cfg(feature = "std")]
 pub mod interrupt;
 #[cfg(feature = "std")]
-mod last_words;
+pub mod last_words;
 #[cfg(feature = "std")]
 pub mod output;
 #[cfg(feature = "std")]

@@ -18,6 +18,7 @@ pub mod evaluate;
 pub mod export;
 pub mod filter;
 pub mod fleet;
+pub mod import;
 pub mod inspect;
 pub mod nn;
 pub mod preferences;

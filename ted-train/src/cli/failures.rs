@@ -4,7 +4,7 @@ use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 
-use crate::answers::import::ImportError;
+use crate::answers::import::ImportError as AnswersImportError;
 use crate::ask::AskError;
 use crate::bench::BenchError;
 use crate::collect::CollectError;
@@ -14,6 +14,7 @@ use crate::dataset::DatasetError;
 use crate::evaluate::EvaluateError;
 use crate::export::ExportError;
 use crate::fleet::{FleetError, LaneError};
+use crate::import::ImportError;
 use crate::inspect::InspectError;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
@@ -65,6 +66,12 @@ impl Ends for DatasetError {
     }
 }
 
+impl Ends for ImportError {
+    fn exit_code(&self) -> ExitCode {
+        Self::exit_code(self)
+    }
+}
+
 impl Ends for RobotError {
     fn exit_code(&self) -> ExitCode {
         ExitCode::BadInput
@@ -92,7 +99,7 @@ impl Ends for PreferenceError {
     }
 }
 
-impl Ends for ImportError {
+impl Ends for AnswersImportError {
     fn exit_code(&self) -> ExitCode {
         Self::exit_code(self)
     }

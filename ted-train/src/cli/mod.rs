@@ -12,6 +12,7 @@ mod eval;
 mod export;
 mod failures;
 mod fleet_report;
+mod import;
 mod inspect;
 mod locate;
 mod presets;
@@ -58,6 +59,7 @@ enum Command {
     Quickstart(quickstart::QuickstartArgs),
     Doctor(doctor::DoctorArgs),
     Collect(collect::CollectArgs),
+    Import(import::ImportArgs),
     Check(check::CheckArgs),
     Ask(ask::AskArgs),
     Train(train::TrainArgs),
@@ -86,6 +88,7 @@ pub fn run() -> ExitCode {
         Command::Quickstart(args) => quickstart::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Collect(args) => collect::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Ask(args) => ask::run(&args),
         Command::Train(args) => train::run(&args),

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use super::error::SetupError;
 use super::stamp::Stamp;
-use super::{Environment, is_ready, location, python, python_of, sources};
+use super::{Environment, SIMULATOR, location, python, python_of, sources};
 use crate::bridge::message::FaultCode;
 use crate::bridge::{BridgeError, Look, PictureJob, Worker};
 use crate::tasks;
@@ -44,7 +44,7 @@ pub fn diagnose() -> Vec<Check> {
         }
     };
     let place = venv.display();
-    if is_ready(&venv) {
+    if SIMULATOR.is_ready(&venv) {
         checks.push(Check::new(
             "environment",
             Ok(format!("installed in {place}")),
@@ -80,7 +80,7 @@ fn tell<T: ToString>(result: Result<&T, &SetupError>) -> Result<String, String> 
 /// Whether it starts, and if so whether it can draw.
 fn simulator(venv: &Path) -> Vec<Check> {
     let check = |outcome| Check::new("simulator", outcome);
-    let bridge = sources::folder(venv);
+    let bridge = SIMULATOR.folder(venv);
     if !bridge.is_dir() {
         let untried =
             "not tried: the first command that needs it writes this version's worker files";

@@ -5,10 +5,14 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::PYTHON_VARIABLE;
 use super::python::{NEWEST, OLDEST};
-use super::{PYTHON_VARIABLE, VENV_VARIABLE};
+
 use crate::disk::WriteError;
 use crate::exit::ExitCode;
+
+/// The variables that name other places: of the simulator, and of the reader of logs.
+const PLACES: &str = "TED_METAWORLD_VENV (for `ted import` TED_READER_VENV)";
 
 /// Why the environment could not be set up.
 #[derive(Debug, Error)]
@@ -58,12 +62,12 @@ pub enum SetupError {
     },
     /// There is no place for the environment.
     #[error(
-        "find a cache folder: neither HOME nor XDG_CACHE_HOME is set; name a place with {VENV_VARIABLE}"
+        "find a cache folder: neither HOME nor XDG_CACHE_HOME is set; name a place with {PLACES}"
     )]
     NoHome,
     /// The place is taken by something that this program did not make.
     #[error(
-        "install into {path}: there is something else; empty it, or name another place with {VENV_VARIABLE}"
+        "install into {path}: there is something else; empty it, or name another place with {PLACES}"
     )]
     NotOurs {
         /// The place.
@@ -71,14 +75,14 @@ pub enum SetupError {
     },
     /// The disk is full.
     #[error(
-        "install the simulator into {path}: the disk is full, about 700 MB are needed; free some, or name another place with {VENV_VARIABLE}"
+        "install the simulator into {path}: the disk is full, about 700 MB are needed; free some, or name another place with {PLACES}"
     )]
     DiskFull {
         /// Where the environment goes.
         path: PathBuf,
     },
     /// A file or folder could not be written.
-    #[error("{what} {path}: {source}; name another place with {VENV_VARIABLE}")]
+    #[error("{what} {path}: {source}; name another place with {PLACES}")]
     Storage {
         /// What was attempted.
         what: &'static str,
@@ -88,7 +92,7 @@ pub enum SetupError {
         source: io::Error,
     },
     /// The worker's files could not be written.
-    #[error("write the simulator's files: {0}; or name another place with {VENV_VARIABLE}")]
+    #[error("write the simulator's files: {0}; or name another place with {PLACES}")]
     Write(#[from] WriteError),
     /// The package registry cannot be reached.
     #[error(

@@ -12,8 +12,9 @@ use std::time::Duration;
 use rustix::process::{Pid, Signal, kill_process_group};
 
 use super::error::SetupError;
+use super::kit::Kit;
 use super::stamp::Stamp;
-use super::{is_ready, python, python_of, sources};
+use super::{python, python_of, sources};
 use crate::interrupt;
 use crate::progress::{Audience, Progress};
 
@@ -21,24 +22,25 @@ use crate::progress::{Audience, Progress};
 const SLICE: Duration = Duration::from_millis(100);
 
 /// Makes a complete environment at `venv`, or waits until another process has.
-pub(super) fn install(venv: &Path, audience: Audience) -> Result<(), SetupError> {
+pub(super) fn install(kit: &Kit, venv: &Path, audience: Audience) -> Result<(), SetupError> {
     let interpreter = python::find()?;
-    let _lock = lock(venv, audience)?;
-    if is_ready(venv) {
+    let _lock = lock(kit, venv, audience)?;
+    if kit.is_ready(venv) {
         return Ok(());
     }
     clear(venv)?;
     audience.note(&format!(
-        "installing the Meta-World simulator into {} with {interpreter}",
+        "installing {} into {} with {interpreter}",
+        kit.what,
         venv.display()
     ));
     // One unit per package, one for the environment itself, one for the first import.
-    let progress = audience.start("install", sources::locked_packages() + 2, "steps");
-    let storage = |source| SetupError::storage("install the simulator into", venv, source);
+    let progress = audience.start("install", kit.locked_packages() + 2, "steps");
+    let storage = |source| SetupError::storage("install into", venv, source);
 
     fs::create_dir_all(venv).map_err(storage)?;
     Stamp::write_unfinished(venv).map_err(storage)?;
-    let bridge = sources::write(venv)?;
+    let bridge = kit.write(venv)?;
     let script = bridge.join(sources::INSTALL);
     let step = |name, python: &Path, arguments: &[&Path]| {
         let mut command = Command::new(python);
@@ -59,21 +61,23 @@ pub(super) fn install(venv: &Path, audience: Audience) -> Result<(), SetupError>
         &python_of(venv),
         &[Path::new("pip"), &requirements],
     )?;
-    progress.message("importing the simulator for the first time");
-    step(
-        "import the simulator",
-        &python_of(venv),
-        &[Path::new("check")],
-    )?;
+    if kit.checked {
+        progress.message("importing the simulator for the first time");
+        step(
+            "import the simulator",
+            &python_of(venv),
+            &[Path::new("check")],
+        )?;
+    }
     progress.advance(1);
 
-    Stamp::write_ready(venv, &sources::lock_digest()).map_err(storage)?;
+    Stamp::write_ready(venv, &kit.lock_digest()).map_err(storage)?;
     progress.finish();
     Ok(())
 }
 
 /// Holds off other installers until it is dropped, or this process ends in any way.
-fn lock(venv: &Path, audience: Audience) -> Result<File, SetupError> {
+fn lock(kit: &Kit, venv: &Path, audience: Audience) -> Result<File, SetupError> {
     // The whole name, not another extension: `poetry.env` may have a `poetry.lock` beside it.
     let mut name = venv.file_name().unwrap_or_default().to_owned();
     name.push(".ted-lock");
@@ -95,7 +99,10 @@ fn lock(venv: &Path, audience: Audience) -> Result<File, SetupError> {
             }
             Err(TryLockError::WouldBlock) => {
                 if !told {
-                    audience.note("waiting for another process that installs the simulator");
+                    audience.note(&format!(
+                        "waiting for another process that installs {}",
+                        kit.what
+                    ));
                     told = true;
                 }
                 thread::sleep(SLICE);

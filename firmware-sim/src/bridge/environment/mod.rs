@@ -7,6 +7,7 @@
 mod checks;
 mod error;
 mod install;
+mod kit;
 mod python;
 mod sources;
 mod stamp;
@@ -17,16 +18,25 @@ use std::path::{Path, PathBuf};
 
 pub use checks::{Check, diagnose};
 pub use error::SetupError;
+pub use kit::{INSTALLER, Kit};
 pub use python::{Interpreter, find as interpreter};
 
 use super::engine::Engine;
 use crate::progress::Audience;
-use stamp::Stamp;
 
 /// Names a place for the virtual environment other than the cache folder.
 pub const VENV_VARIABLE: &str = "TED_METAWORLD_VENV";
 /// Names the Python interpreter that creates the virtual environment.
 pub const PYTHON_VARIABLE: &str = "TED_PYTHON";
+
+/// What the simulator's environment is made of.
+const SIMULATOR: Kit = Kit {
+    name: "metaworld",
+    what: "the Meta-World simulator",
+    variable: VENV_VARIABLE,
+    files: &sources::FILES,
+    checked: true,
+};
 
 /// A Python interpreter and the worker it can run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -138,11 +148,9 @@ impl Environment {
 /// # Errors
 /// When Python, its venv module, the network or the disk will not do; the message says which, and the way out.
 pub fn ensure(audience: Audience) -> Result<Environment, SetupError> {
+    SIMULATOR.ensure(audience)?;
     let venv = location()?;
-    if !is_ready(&venv) {
-        install::install(&venv, audience)?;
-    }
-    Ok(Environment::installed(&venv, &sources::write(&venv)?))
+    Ok(Environment::installed(&venv, &SIMULATOR.write(&venv)?))
 }
 
 /// The environment if it is installed; none if it is not, and nothing is installed.
@@ -151,10 +159,13 @@ pub fn ensure(audience: Audience) -> Result<Environment, SetupError> {
 /// When nobody knows where it would be, or the worker's files cannot be written into it.
 pub fn find() -> Result<Option<Environment>, SetupError> {
     let venv = location()?;
-    if !is_ready(&venv) {
+    if !SIMULATOR.is_ready(&venv) {
         return Ok(None);
     }
-    Ok(Some(Environment::installed(&venv, &sources::write(&venv)?)))
+    Ok(Some(Environment::installed(
+        &venv,
+        &SIMULATOR.write(&venv)?,
+    )))
 }
 
 /// Names everything that decides how a state looks in a picture, beside the state: a picture that was kept under another name may
@@ -169,11 +180,7 @@ pub fn drawing_digest() -> String {
 /// # Errors
 /// When there is neither a home folder nor a variable that names the place.
 pub fn location() -> Result<PathBuf, SetupError> {
-    if let Some(named) = set(VENV_VARIABLE) {
-        return std::path::absolute(&named)
-            .map_err(|source| SetupError::storage("find", &named, source));
-    }
-    Ok(cache()?.join(format!("metaworld-{}", &sources::lock_digest()[..16])))
+    SIMULATOR.location()
 }
 
 /// This program's folder in the user's cache.
@@ -184,11 +191,6 @@ fn cache() -> Result<PathBuf, SetupError> {
         _ => return Err(SetupError::NoHome),
     };
     Ok(cache.join("ted"))
-}
-
-/// Whether the environment is complete and made from this program's requirements.
-fn is_ready(venv: &Path) -> bool {
-    Stamp::read(venv) == Stamp::Ready(sources::lock_digest()) && python_of(venv).exists()
 }
 
 fn python_of(venv: &Path) -> PathBuf {

@@ -27,7 +27,7 @@ macro_rules! carried {
     };
 }
 
-const FILES: [(&str, &str); 18] = carried!(
+pub(super) const FILES: [(&str, &str); 18] = carried!(
     "cameras.py",
     "collect.py",
     "fast.py",
@@ -65,45 +65,21 @@ const OWN_FILES: [(&str, &str); 4] = [
     ("wire.py", include_str!("../../../metaworld-bridge/wire.py")),
 ];
 
-/// The digest of the locked requirements, which names the environment made from them.
-pub(super) fn lock_digest() -> String {
-    let lock = FILES.iter().filter(|(name, _)| *name == REQUIREMENTS);
-    digest(lock)
-}
-
 /// The digest of what decides how a state looks in a picture.
 pub(super) fn drawing_digest() -> String {
     digest(FILES.iter().filter(|(name, _)| DRAWING.contains(name)))
 }
 
-/// How many packages the lock file holds, for progress.
-pub(super) fn locked_packages() -> u64 {
-    let lock = FILES
-        .iter()
-        .find(|(name, _)| *name == REQUIREMENTS)
-        .map_or("", |(_, text)| text);
-    let mut names: Vec<_> = lock
-        .lines()
-        .filter_map(|line| Some(line.split_once("==")?.0))
-        .collect();
-    names.dedup();
-    names.len() as u64
-}
-
-/// Puts the files into the environment, under a name that holds their digest, and returns their folder.
-///
-/// A program of another version finds its own files untouched, and a reader never sees half of them.
-pub(super) fn write(venv: &Path) -> Result<PathBuf, SetupError> {
-    put(folder(venv), &FILES)
-}
-
-/// The same of the worker for a world of one's own, in the cache folder.
+/// Puts the files of the worker for a world of one's own into the cache folder, and returns their folder.
 pub(super) fn write_own(cache: &Path) -> Result<PathBuf, SetupError> {
     let name = format!("own-world-{}", &digest(OWN_FILES.iter())[..16]);
     put(cache.join(name), &OWN_FILES)
 }
 
-fn put(folder: PathBuf, files: &[(&str, &str)]) -> Result<PathBuf, SetupError> {
+/// Puts files into a folder whose name holds their digest.
+///
+/// A program of another version finds its own files untouched, and a reader never sees half of them.
+pub(super) fn put(folder: PathBuf, files: &[(&str, &str)]) -> Result<PathBuf, SetupError> {
     /// Tells the threads of this process apart.
     static NEXT: AtomicU64 = AtomicU64::new(0);
     if folder.is_dir() {
@@ -122,11 +98,6 @@ fn put(folder: PathBuf, files: &[(&str, &str)]) -> Result<PathBuf, SetupError> {
     Ok(folder)
 }
 
-/// Where the files are once they are written.
-pub(super) fn folder(venv: &Path) -> PathBuf {
-    venv.join(format!("bridge-{}", &digest(FILES.iter())[..16]))
-}
-
 fn write_new(folder: &Path, files: &[(&str, &str)]) -> Result<(), WriteError> {
     disk::create_folder(folder)?;
     for (name, text) in files {
@@ -135,7 +106,8 @@ fn write_new(folder: &Path, files: &[(&str, &str)]) -> Result<(), WriteError> {
     disk::sync_folder(folder)
 }
 
-fn digest<'a>(files: impl Iterator<Item = &'a (&'a str, &'a str)>) -> String {
+/// The digest of files, names included.
+pub(super) fn digest<'a>(files: impl Iterator<Item = &'a (&'a str, &'a str)>) -> String {
     let mut hasher = blake3::Hasher::new();
     for (name, text) in files {
         hasher.update(name.as_bytes()).update(&[0]);
@@ -154,7 +126,7 @@ mod tests {
             .iter()
             .find(|(name, _)| *name == REQUIREMENTS)
             .expect("the lock is carried");
-        assert!(locked_packages() >= 17);
+        assert!(super::super::SIMULATOR.locked_packages() >= 17);
         let blocks = lock
             .split("\n    # via")
             .filter(|block| block.contains("=="));
@@ -169,8 +141,9 @@ mod tests {
     #[test]
     fn files_are_written_once_and_found_again() -> Result<(), Box<dyn std::error::Error>> {
         let venv = tempfile::tempdir()?;
-        let first = write(venv.path())?;
-        assert_eq!(write(venv.path())?, first);
+        let write = || put(venv.path().join("files"), &FILES);
+        let first = write()?;
+        assert_eq!(write()?, first);
         for (name, text) in FILES {
             assert_eq!(fs::read_to_string(first.join(name))?, text);
         }
@@ -182,7 +155,9 @@ mod tests {
     fn threads_that_write_at_once_all_find_whole_files() -> Result<(), Box<dyn std::error::Error>> {
         let venv = tempfile::tempdir()?;
         std::thread::scope(|scope| {
-            let writers: Vec<_> = (0..8).map(|_| scope.spawn(|| write(venv.path()))).collect();
+            let writers: Vec<_> = (0..8)
+                .map(|_| scope.spawn(|| put(venv.path().join("files"), &FILES)))
+                .collect();
             for writer in writers {
                 let folder = writer.join().expect("no panic").expect("it is written");
                 for (name, text) in FILES {

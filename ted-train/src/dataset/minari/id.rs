@@ -25,6 +25,12 @@ impl DatasetId {
         &self.namespace
     }
 
+    /// The name, without namespace and version.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The dataset's folder under `root`.
     #[must_use]
     pub fn folder(&self, root: &Path) -> PathBuf {

@@ -28,6 +28,62 @@ pub struct Origin {
     pub engine: BTreeMap<String, String>,
 }
 
+impl Origin {
+    /// Of a dataset that was made from somebody's file.
+    #[must_use]
+    pub fn import(task: &str, source: &str, format: &str, rewards: bool) -> Self {
+        let engine = [(FORMAT, format), (SOURCE, source)];
+        Self {
+            task: task.to_owned(),
+            recipe: IMPORT.to_owned(),
+            seed: 0,
+            // Nobody knows how many before the end.
+            episodes: 0,
+            goal: "as recorded".to_owned(),
+            reward: if rewards { "as recorded" } else { "none" }.to_owned(),
+            engine: engine
+                .map(|(key, value)| (key.to_owned(), value.to_owned()))
+                .into(),
+        }
+    }
+
+    /// The format that a dataset was imported from; none for one that was collected.
+    #[must_use]
+    pub fn imported(&self) -> Option<&str> {
+        (self.recipe == IMPORT).then(|| self.engine.get(FORMAT).map_or("", String::as_str))
+    }
+
+    fn description(&self) -> String {
+        let Self {
+            task,
+            recipe,
+            seed,
+            episodes,
+            goal,
+            reward,
+            engine,
+        } = self;
+        if let Some(format) = self.imported() {
+            let source = engine.get(SOURCE).map_or("", String::as_str);
+            return format!("{task}: {episodes} episodes, imported from {source} ({format}).");
+        }
+        let world = if engine.contains_key("toy") {
+            ""
+        } else {
+            "Meta-World "
+        };
+        format!(
+            "{world}{task}: {episodes} episodes of the recipe `{recipe}` from root seed {seed}; goal {goal}, reward {reward}."
+        )
+    }
+}
+
+/// The recipe of what nobody here collected.
+const IMPORT: &str = "import";
+/// What the source and its format are called among what a dataset depends on.
+const FORMAT: &str = "format";
+const SOURCE: &str = "source";
+
 /// What made the actions of an episode. What is zero in the paper's recipe is left out of the file where it is zero.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Behaviour {
@@ -226,22 +282,12 @@ pub(super) fn dataset_metadata(
         minari_version: MINARI_VERSION,
         dataset_size: (bytes as f64 / 1e5).round() / 10.0,
         author: ["ted-train"],
-        algorithm_name: format!("scripted policy, recipe {}", origin.recipe),
+        algorithm_name: match origin.imported() {
+            Some(format) => format!("recorded; imported from {format}"),
+            None => format!("scripted policy, recipe {}", origin.recipe),
+        },
         code_permalink: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
-        description: format!(
-            "{}{}: {} episodes of the recipe `{}` from root seed {}; goal {}, reward {}.",
-            if origin.engine.contains_key("toy") {
-                ""
-            } else {
-                "Meta-World "
-            },
-            origin.task,
-            origin.episodes,
-            origin.recipe,
-            origin.seed,
-            origin.goal,
-            origin.reward
-        ),
+        description: origin.description(),
         ted: OriginAndStatus {
             status: "complete".into(),
             origin: origin.clone(),

@@ -98,6 +98,27 @@ impl DatasetWriter {
         kept_episode(&self.folder, episode, seed, behaviour)
     }
 
+    /// Whether this episode is complete, of this part of a recipe, with so many steps and undamaged bytes.
+    #[must_use]
+    pub fn holds(&self, episode: u32, part: &str, steps: usize) -> bool {
+        let Some(metadata) = episode_metadata(&self.data, episode) else {
+            return false;
+        };
+        let bytes = fs::read(self.data.join(episode.to_string()).join(PART));
+        let note = metadata.ted.filter(|note| note.behaviour.part == part);
+        metadata.total_steps == steps
+            && note.is_some_and(|note| {
+                bytes.is_ok_and(|bytes| *blake3::hash(&bytes).to_hex() == *note.blake3)
+            })
+    }
+
+    /// The same dataset, of so many episodes: for one whose number is known at the end only.
+    #[must_use]
+    pub fn of_episodes(mut self, episodes: u32) -> Self {
+        self.origin.episodes = episodes;
+        self
+    }
+
     /// Writes one episode; when this returns it is on the disk.
     pub fn write(
         &self,
