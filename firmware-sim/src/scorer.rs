@@ -19,6 +19,7 @@ use crate::workspace::Workspace;
 pub struct EpisodeScorer<'a> {
     bare: BareScorer<'a>,
     workspace: Workspace,
+    maps: Vec<ActionMap, MAX_ACTION>,
 }
 
 /// A scorer without working memory of its own: a device lends it the controller's.
@@ -26,7 +27,6 @@ pub struct EpisodeScorer<'a> {
 pub struct BareScorer<'a> {
     networks: Networks<'a>,
     ted: TedDiscount,
-    maps: Vec<ActionMap, MAX_ACTION>,
 }
 
 // The larger variant cannot be boxed: a device has no heap.
@@ -49,9 +49,15 @@ impl<'a> EpisodeScorer<'a> {
     /// in these numbers. The controller's load gate has replayed the ensemble's golden vectors.
     #[must_use]
     pub fn load(artifact: &Artifact<'a>, numeric: Numeric) -> Option<Self> {
+        let mut maps = Vec::new();
+        for channel in artifact.terms().action.iter() {
+            // There is room: a contract has no more.
+            maps.push(channel.map()).ok();
+        }
         Some(Self {
             bare: BareScorer::load(artifact, numeric)?,
             workspace: Workspace::new(numeric),
+            maps,
         })
     }
 
@@ -60,7 +66,19 @@ impl<'a> EpisodeScorer<'a> {
     /// # Errors
     /// When one of the two has another length than the contract says; the return stays as it was.
     pub fn push(&mut self, obs_raw: &[f32], action_env: &[f32]) -> Result<(), ShapeError> {
-        self.bare.push(obs_raw, action_env, &mut self.workspace)
+        if action_env.len() != self.maps.len() {
+            return Err(ShapeError::Mismatch {
+                part: Part::Action,
+                expected: self.maps.len(),
+                actual: action_env.len(),
+            });
+        }
+        let mut action_unit = Vec::<f32, MAX_ACTION>::new();
+        for (map, &env) in self.maps.iter().zip(action_env) {
+            // There is room: there are as many as maps.
+            action_unit.push(map.unit(env)).ok();
+        }
+        self.bare.push(obs_raw, &action_unit, &mut self.workspace)
     }
 
     /// Predicted return so far, for people: a reward of 1 at every step adds up to the number of steps.
@@ -118,16 +136,8 @@ impl<'a> BareScorer<'a> {
                 episode: EpisodeReturn::default(),
             },
         };
-        let mut maps = Vec::new();
-        for channel in artifact.terms().action.iter() {
-            // There is room: a contract has no more.
-            maps.push(channel.map()).ok();
-        }
-        Some(Self {
-            networks,
-            ted: artifact.ted()?,
-            maps,
-        })
+        let ted = artifact.ted()?;
+        Some(Self { networks, ted })
     }
 
     /// Takes the artefact's networks, where it is: on a device there is no room to move them. False if it has none in
@@ -147,7 +157,7 @@ impl<'a> BareScorer<'a> {
         }
     }
 
-    /// Adds a step: what was seen, and the action that went out, in the robot's units.
+    /// Adds a step: what was seen, and the action that went out, as it is to the policy.
     ///
     /// # Errors
     /// When one of the two has another length than the contract says, or the workspace is for other numbers; the return
@@ -155,34 +165,22 @@ impl<'a> BareScorer<'a> {
     pub fn push(
         &mut self,
         obs_raw: &[f32],
-        action_env: &[f32],
+        action_unit: &[f32],
         workspace: &mut Workspace,
     ) -> Result<(), ShapeError> {
-        if action_env.len() != self.maps.len() {
-            return Err(ShapeError::Mismatch {
-                part: Part::Action,
-                expected: self.maps.len(),
-                actual: action_env.len(),
-            });
-        }
-        let mut action_unit = Vec::<f32, MAX_ACTION>::new();
-        for (map, &env) in self.maps.iter().zip(action_env) {
-            // There is room: there are as many as maps.
-            action_unit.push(map.unit(env)).ok();
-        }
         match (&mut self.networks, workspace) {
             (
                 Networks::F32 {
                     reward, episode, ..
                 },
                 Workspace::F32(scratch),
-            ) => episode.push(reward.reward_hat(obs_raw, &action_unit, scratch)?),
+            ) => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
             (
                 Networks::Integer {
                     reward, episode, ..
                 },
                 Workspace::Integer(scratch),
-            ) => episode.push(reward.reward_hat(obs_raw, &action_unit, scratch)?),
+            ) => episode.push(reward.reward_hat(obs_raw, action_unit, scratch)?),
             _ => return Err(ShapeError::Empty { part: Part::Input }),
         }
         Ok(())

@@ -211,7 +211,7 @@ impl fmt::Display for ContractFault {
             }
             Self::Action { channel } => write!(
                 f,
-                "action channel {channel} needs a name, a finite range with low < high and a positive slew limit"
+                "action channel {channel} needs a name, a range of finite width with low < high and a positive slew limit"
             ),
             Self::NoSafeAction { channel } => write!(
                 f,

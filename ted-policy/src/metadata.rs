@@ -107,18 +107,19 @@ pub(crate) fn check<'a>(
     let mut actions = 0;
     for (channel, it) in action.enumerate() {
         actions += 1;
-        let ordered = it.low.is_finite() && it.high.is_finite() && it.low < it.high;
-        let slew = it.slew_per_tick;
-        if it.name.is_empty() || !ordered || !slew.is_finite() || slew <= 0.0 {
+        // Of finite width, both ends are finite.
+        let positive = |number: f32| number > 0.0 && number.is_finite();
+        if it.name.is_empty() || !positive(it.high - it.low) || !positive(it.slew_per_tick) {
             return Err(ContractFault::Action { channel });
         }
         let stops_at = match it.on_fault {
-            SafeAction::Zero => Some(0.0),
-            SafeAction::HoldLast => None,
-            SafeAction::Value(value) => Some(value),
+            SafeAction::Zero => 0.0,
+            // Whatever it is, it went out once.
+            SafeAction::HoldLast => it.low,
+            SafeAction::Value(value) => value,
         };
         // A NaN is in no range.
-        if stops_at.is_some_and(|value| !(it.low..=it.high).contains(&value)) {
+        if !(it.low..=it.high).contains(&stops_at) {
             return Err(ContractFault::NoSafeAction { channel });
         }
     }

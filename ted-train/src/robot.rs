@@ -61,7 +61,7 @@ pub fn open_for_draft(path: &Path) -> Result<Dataset, DatasetError> {
         Err(DatasetError::ActionRange { robot, .. }) if !robot.declared() => {
             let mut robot = *robot;
             for actuator in &mut robot.action {
-                actuator.range = [f32::MIN, f32::MAX];
+                actuator.range = [0.25 * f32::MIN, 0.25 * f32::MAX];
             }
             let dataset = Dataset::open_as(path, robot.clone())?;
             for (channel, actuator) in robot.action.iter_mut().enumerate() {

@@ -54,6 +54,12 @@ impl<'a> BareController<'a> {
         self.guard.tick_without_observation(limit_us)
     }
 
+    /// What the robot's numbers are to the policy, in [-1, 1]; numbers without a channel stay.
+    #[must_use]
+    pub fn unit(&self, action_env: &[f32]) -> Action {
+        self.guard.unit(action_env)
+    }
+
     /// Starts a new episode: the plant is at rest, and everything of the last episode is forgotten.
     pub fn reset(&mut self) {
         self.guard.reset();

@@ -292,7 +292,7 @@ impl Flyer<'_, '_> {
         let scorer = self.scorer.as_mut().ok_or(Refusal::CannotScore)?;
         if let Some((observation, action)) = step {
             scorer
-                .push(observation, action, workspace)
+                .push(observation, &self.controller.unit(action), workspace)
                 .map_err(|_| Refusal::OtherShape)?;
         }
         Ok(Score {

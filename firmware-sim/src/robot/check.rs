@@ -174,11 +174,11 @@ fn names<'a>(
 }
 
 fn ordered(name: &str, [low, high]: [f32; 2]) -> Result<(), RobotFault> {
-    if low.is_finite() && high.is_finite() && low < high {
+    if low < high && (high - low).is_finite() {
         return Ok(());
     }
     let range = format!("[{low}, {high}]");
-    let wanted = "two finite numbers, the lower one first";
+    let wanted = "two finite numbers, the lower one first, and no wider than single precision";
     Err(number("range", name, range, wanted))
 }
 

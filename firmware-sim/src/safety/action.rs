@@ -32,8 +32,10 @@ struct Limit {
     low: f32,
     high: f32,
     slew_per_tick: f32,
-    on_fault: SafeAction,
-    map: ActionMap,
+    /// What is sent at rest.
+    rest: f32,
+    /// Whether a fault leaves what was sent last.
+    holds: bool,
 }
 
 impl ActionGuard {
@@ -45,7 +47,7 @@ impl ActionGuard {
         for limit in channels.map(|channel| Limit::of(&channel)) {
             // There is room: a contract has no more.
             limits.push(limit).ok();
-            last_sent.push(limit.rest()).ok();
+            last_sent.push(limit.rest).ok();
         }
         Self { limits, last_sent }
     }
@@ -66,7 +68,7 @@ impl ActionGuard {
         }
         let (mut clamped, mut slew_limited) = (false, false);
         for ((last, limit), &unit) in self.last_sent.iter_mut().zip(&self.limits).zip(action_unit) {
-            let wanted = limit.map.robot(unit);
+            let wanted = limit.map().robot(unit);
             let inside = limit.clamp(wanted);
             let reached = limit.slew(*last, inside);
             clamped |= inside != wanted;
@@ -85,17 +87,31 @@ impl ActionGuard {
     /// It stops at once: the slew limit protects against a jumping policy and is not applied to stopping.
     pub fn send_safe(&mut self) -> Action {
         for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
-            if limit.on_fault != SafeAction::HoldLast {
-                *last = limit.rest();
+            if !limit.holds {
+                *last = limit.rest;
             }
         }
         self.last_sent.clone()
     }
 
+    /// What the robot's numbers are to the policy, in [-1, 1]; numbers without a channel stay.
+    #[must_use]
+    pub fn unit(&self, action_env: &[f32]) -> Action {
+        let mut action_unit = Action::new();
+        for (channel, &value) in action_env.iter().enumerate() {
+            let limit = self.limits.get(channel);
+            // Of numbers beyond the room nobody knows what they mean: the action is of another length then, and is refused.
+            action_unit
+                .push(limit.map_or(value, |limit| limit.map().unit(value)))
+                .ok();
+        }
+        action_unit
+    }
+
     /// Puts the plant at rest again.
     pub fn reset(&mut self) {
         for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
-            *last = limit.rest();
+            *last = limit.rest;
         }
     }
 }
@@ -113,39 +129,46 @@ impl Limit {
             low,
             high,
             slew_per_tick,
-            on_fault,
-            map: channel.map(),
+            // Nothing was sent yet that could be held: zero, or the end of the range nearest to it. Zero is in the range of a
+            // channel that stops there.
+            rest: match on_fault {
+                SafeAction::Value(value) => value,
+                SafeAction::Zero | SafeAction::HoldLast => 0.0_f32.max(low).min(high),
+            },
+            holds: matches!(on_fault, SafeAction::HoldLast),
         }
     }
 
-    /// What the contract says for a fault. Nothing was sent yet that could be held: zero, or the end of the range nearest to it.
-    fn rest(&self) -> f32 {
-        match self.on_fault {
-            SafeAction::Zero | SafeAction::HoldLast => self.clamp(0.0),
-            SafeAction::Value(value) => value,
-        }
+    /// Between the policy's numbers and the robot's. Made when it is needed: a device has more time than memory.
+    fn map(&self) -> ActionMap {
+        ActionMap::new(self.low, self.high)
     }
 
-    /// Written out because `f32::clamp` panics on a range in disorder.
     fn clamp(&self, value: f32) -> f32 {
-        if value < self.low {
-            self.low
-        } else if value > self.high {
-            self.high
-        } else {
-            value
-        }
+        clamp(value, self.low, self.high)
     }
 
     /// A wanted value within reach goes out with its bits unchanged.
     fn slew(&self, last: f32, wanted: f32) -> f32 {
         let change = wanted - last;
-        if change > self.slew_per_tick {
-            self.clamp(last + self.slew_per_tick)
+        let reached = if change > self.slew_per_tick {
+            last + self.slew_per_tick
         } else if change < -self.slew_per_tick {
-            self.clamp(last - self.slew_per_tick)
+            last - self.slew_per_tick
         } else {
-            wanted
-        }
+            return wanted;
+        };
+        self.clamp(reached)
+    }
+}
+
+/// Written out because `f32::clamp` panics on a range in disorder.
+fn clamp(value: f32, low: f32, high: f32) -> f32 {
+    if value < low {
+        low
+    } else if value > high {
+        high
+    } else {
+        value
     }
 }

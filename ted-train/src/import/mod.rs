@@ -14,11 +14,11 @@ use std::process::Command;
 
 use firmware_sim::interrupt;
 use firmware_sim::progress::{Audience, Progress};
-use firmware_sim::robot::Robot;
+use firmware_sim::robot::{ROBOT_FILE, Robot};
 use serde::Serialize;
 
 use crate::dataset::EpisodeRecord;
-use crate::dataset::minari::{Behaviour, DatasetId, DatasetWriter, Origin};
+use crate::dataset::minari::{self, Behaviour, DatasetId, DatasetWriter, Origin};
 use reader::{EpisodeRead, Header, Next, Reader};
 
 /// What to import, and where to.
@@ -83,7 +83,13 @@ pub(crate) struct Seen {
 pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport, ImportError> {
     let command = reader::command(audience)?;
     let (header, seen) = look(config, command(), audience)?;
-    let robot = match &config.robot {
+    // What somebody declared for this dataset before outlives another import.
+    let there = minari::data_folder(&config.id.folder(&config.root));
+    let there = there
+        .ok()
+        .and_then(|data| Robot::read(&data.join(ROBOT_FILE)).ok());
+    let declared = config.robot.clone().or(there.filter(Robot::declared));
+    let robot = match &declared {
         Some(robot) => robot::fitting(robot.clone(), &header)?,
         None => robot::draft(&header, &seen),
     };
@@ -104,7 +110,7 @@ pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport,
         rewards: header.has.rewards,
         success: header.has.success,
         period_us: robot.period_us,
-        period_from: match (&config.robot, header.period_from) {
+        period_from: match (&declared, header.period_from) {
             (Some(_), _) => "as declared".to_owned(),
             (None, Some(from)) => from,
             (None, None) => "a guess".to_owned(),

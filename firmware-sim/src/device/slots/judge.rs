@@ -27,14 +27,14 @@ pub(super) struct Judged {
 #[inline(never)]
 pub(super) fn judge(bytes: &[u8]) -> Result<Judged, Refusal> {
     let artifact = Artifact::parse(bytes).map_err(refusal)?;
-    if !artifact.terms().declared {
-        return Err(Refusal::Undeclared);
-    }
     Proven::of(&artifact, Numeric::F32).map_err(refusal)?;
     if artifact.has_integers() {
         Proven::of(&artifact, Numeric::Integer).map_err(refusal)?;
     }
     let terms = artifact.terms();
+    if !terms.declared {
+        return Err(Refusal::Undeclared);
+    }
     Ok(Judged {
         checksum: artifact.checksum(),
         integers: artifact.has_integers(),
