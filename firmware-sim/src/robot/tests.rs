@@ -1,6 +1,6 @@
 use super::*;
-use crate::plants::metaworld;
 use crate::plants::toy::{ACTION_DIM, OBSERVATION_DIM, Units};
+use crate::worlds::metaworld;
 
 fn cart() -> Robot {
     Robot::parse(

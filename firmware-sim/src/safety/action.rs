@@ -24,8 +24,13 @@ pub struct Sent {
 #[derive(Clone, Debug)]
 pub struct ActionGuard {
     limits: Vec<Limit, MAX_ACTION>,
+    /// Channels that a fault leaves as they were sent last.
+    held: Held,
     last_sent: Action,
 }
+
+/// A bit for each channel, the first one lowest: a device is short of memory.
+type Held = u32;
 
 #[derive(Clone, Copy, Debug)]
 struct Limit {
@@ -34,8 +39,6 @@ struct Limit {
     slew_per_tick: f32,
     /// What is sent at rest.
     rest: f32,
-    /// Whether a fault leaves what was sent last.
-    holds: bool,
 }
 
 impl ActionGuard {
@@ -43,13 +46,19 @@ impl ActionGuard {
     /// channel that holds zero, or the end of the range nearest to it.
     #[must_use]
     pub fn new<'c>(channels: impl Iterator<Item = ActionChannel<'c>>) -> Self {
-        let (mut limits, mut last_sent) = (Vec::new(), Vec::new());
-        for limit in channels.map(|channel| Limit::of(&channel)) {
+        let (mut limits, mut last_sent, mut held) = (Vec::new(), Vec::new(), 0);
+        for (index, channel) in channels.enumerate() {
+            let limit = Limit::of(&channel);
+            held |= Held::from(matches!(channel.on_fault, SafeAction::HoldLast)) << index;
             // There is room: a contract has no more.
             limits.push(limit).ok();
             last_sent.push(limit.rest).ok();
         }
-        Self { limits, last_sent }
+        Self {
+            limits,
+            held,
+            last_sent,
+        }
     }
 
     /// Values in an action.
@@ -86,10 +95,12 @@ impl ActionGuard {
     ///
     /// It stops at once: the slew limit protects against a jumping policy and is not applied to stopping.
     pub fn send_safe(&mut self) -> Action {
+        let mut held = self.held;
         for (last, limit) in self.last_sent.iter_mut().zip(&self.limits) {
-            if !limit.holds {
+            if held & 1 == 0 {
                 *last = limit.rest;
             }
+            held >>= 1;
         }
         self.last_sent.clone()
     }
@@ -135,7 +146,6 @@ impl Limit {
                 SafeAction::Value(value) => value,
                 SafeAction::Zero | SafeAction::HoldLast => 0.0_f32.max(low).min(high),
             },
-            holds: matches!(on_fault, SafeAction::HoldLast),
         }
     }
 
