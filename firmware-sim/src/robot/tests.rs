@@ -1,3 +1,5 @@
+//! What a robot's file says, what cannot be, and the robots of all worlds.
+
 use super::*;
 use crate::plants::toy::{ACTION_DIM, OBSERVATION_DIM, Units};
 use crate::worlds::metaworld;

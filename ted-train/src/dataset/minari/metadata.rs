@@ -200,9 +200,11 @@ struct Space {
     high: Vec<Option<f32>>,
 }
 
+/// The bounds of each number of a space, none where it has none.
+pub(super) type Bounds = Vec<Option<[f32; 2]>>;
+
 impl Space {
-    /// The bounds of each number, none where it has none.
-    fn bounds(&self) -> Vec<Option<[f32; 2]>> {
+    fn bounds(&self) -> Bounds {
         let width = self.shape.first().copied().unwrap_or_default();
         let at = |ends: &[Option<f32>], i: usize| ends.get(i).copied().flatten();
         (0..width)
@@ -231,10 +233,7 @@ impl DatasetMetadata {
     }
 
     /// The widths of the two spaces, which must be flat boxes, and the bounds of each action where both are finite.
-    pub(super) fn spaces(
-        &self,
-        data: &Path,
-    ) -> Result<(Shape, Vec<Option<[f32; 2]>>), DatasetError> {
+    pub(super) fn spaces(&self, data: &Path) -> Result<(Shape, Bounds), DatasetError> {
         let flat = |name: &'static str, space: &Option<String>| {
             let refuse = |actual: String| DatasetError::Space {
                 path: data.join(METADATA),
