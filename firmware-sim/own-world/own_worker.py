@@ -178,7 +178,12 @@ class Session:
         return messages.STEPPED, replies
 
 
-def main(name):
+def world(name):
+    return Gymnasium(name[len(GYM) :]) if name.startswith(GYM) else OwnFile(name)
+
+
+def play(make_world, engine):
+    """Serves the world that `make_world` gives, until the parent closes the link."""
     link = wire.Link(REQUESTS, REPLIES)
     link.send_hello()
     leave_with_parent(REQUESTS)
@@ -186,13 +191,13 @@ def main(name):
     if spoken != wire.PROTOCOL_VERSION:
         sys.exit(f"the parent speaks protocol {spoken}, this worker {wire.PROTOCOL_VERSION}")
     try:
-        world = Gymnasium(name[len(GYM) :]) if name.startswith(GYM) else OwnFile(name)
+        world = make_world()
         session = Session(link, world)
     except Exception as error:
         reason = str(error) if isinstance(error, Unusable) else traceback.format_exc().strip()
         link.send(messages.FAULT, 0, messages.fault(messages.CANNOT_START, reason))
         raise
-    versions = {"python": platform.python_version(), "engine": "own", **world.versions}
+    versions = {"python": platform.python_version(), "engine": engine, **world.versions}
     if world.period_us is not None:
         versions["period_us"] = world.period_us
     link.send(messages.READY, 0, messages.text(" ".join(f"{name}={value}" for name, value in versions.items())))
@@ -201,6 +206,6 @@ def main(name):
 
 if __name__ == "__main__":
     try:
-        main(*sys.argv[1:])
+        play(lambda: world(*sys.argv[1:]), "own")
     except wire.Closed:
         pass

@@ -47,8 +47,6 @@ pub mod serial;
 #[cfg(feature = "std")]
 mod splitmix;
 #[cfg(feature = "std")]
-pub mod tasks;
-#[cfg(feature = "std")]
 mod wait;
 pub mod workspace;
 #[cfg(feature = "std")]

@@ -1,5 +1,7 @@
 """D4RL's layout: arrays of equal length, one row per transition, all episodes behind one another. In HDF5, and in .npz under the same names."""
 
+import re
+
 import numpy as np
 
 import arrays
@@ -22,7 +24,7 @@ SAME = 1e-6
 class D4rl:
     """A reader of rows: `store` gives an array by its name, which may be read in slices."""
 
-    takes = {"map"}
+    takes = {"map", "observations"}
 
     def __init__(self, path, options, store=None):
         self._store = store if store is not None else hdf5(path)
@@ -32,6 +34,7 @@ class D4rl:
             self._every = options.map.get("episode", "every")
         self._has = {name: self._store[name] for name in USES if name in self._store}
         self._boundaries = None
+        self._width = width(options.observations)
 
     def keys(self):
         found = []
@@ -58,13 +61,13 @@ class D4rl:
                 "go to the step before"
             )
         return Header(
-            self._channels("observations", "observation"),
+            self._observed(),
             self._channels("actions", "action"),
             rewards="rewards" in self._has,
             terminations="terminals" in self._has,
             episodes=episodes,
             steps=rows if whole else rows - episodes,
-            notes=notes,
+            notes=notes + self._left_out(),
         )
 
     def episodes(self, first):
@@ -93,7 +96,7 @@ class D4rl:
         return Episode(
             number,
             name,
-            observations,
+            observations if self._width is None else arrays.rows(observations, "observations", name)[:, : self._width],
             read["actions"][:steps],
             rewards=read["rewards"][:steps] if "rewards" in self._has else None,
             terminations=ends.get("terminals"),
@@ -108,6 +111,18 @@ class D4rl:
                 f"{key} are pictures of the shape {tuple(array.shape[1:])}", "only numbers can be imported: compute some from the pictures first"
             )
         return [Channel(label) for label in numbered(name, arrays.width_of(array.shape[1:]))]
+
+    def _observed(self):
+        channels = self._channels("observations", "observation")
+        if self._width is not None and self._width > len(channels):
+            raise Fault(f"an observation has {len(channels)} numbers, and --observations asks for {self._width}", "ask for fewer, or for all")
+        return channels[: self._width]
+
+    def _left_out(self):
+        whole = arrays.width_of(self._has["observations"].shape[1:])
+        if self._width is None or self._width == whole:
+            return []
+        return [f"{whole - self._width} of {whole} numbers of each observation are left out, as --observations says"]
 
     def _find_boundaries(self, rows):
         if rows == 0:
@@ -127,6 +142,16 @@ class D4rl:
         if self._every is not None:
             self._boundaries.every(self._every)
         self._boundaries.finish()
+
+
+def width(keys):
+    """How many numbers of an observation are wanted: `observations[:27]` for the first 27; none for all."""
+    if keys is None or keys == ["observations"]:
+        return None
+    found = re.fullmatch(r"observations\[:([1-9]\d*)\]", ",".join(keys))
+    if found is None:
+        raise Fault(f"--observations {','.join(keys)} names nothing in this format", "write observations[:27] for the first 27 numbers of each")
+    return int(found[1])
 
 
 class Boundaries:

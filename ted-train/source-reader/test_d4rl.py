@@ -52,6 +52,17 @@ class D4rlFiles(Reading):
                 self.same(episode[read], written[name][begin:stop])
         self.assertEqual(episodes[2]["notes"], [{"step": 3, "what": "the file ends inside this episode"}])
 
+    def test_the_first_numbers_of_an_observation_may_be_enough(self):
+        written = self.arrays()
+        path = self.write(written)
+        source, episodes = self.whole(path, "--observations", "observations[:2]")
+        self.assertEqual(len(source["observation"]), 2)
+        self.assertIn("1 of 3 numbers of each observation are left out", source["notes"][-1])
+        self.same(episodes[0]["observations"], np.concatenate([written["observations"][:5], written["next_observations"][4:5]])[:, :2])
+        for keys in ("observations[:4]", "observations[2:]", "observations[:2],actions"):
+            fault = self.fault(path, "--observations", keys)
+            self.assertIn("--observations", fault["what"])
+
     def test_without_next_observations_the_last_row_gives_its_observation_alone(self):
         written = self.arrays()
         del written["next_observations"]

@@ -1,4 +1,4 @@
-//! Evaluation: the policy, flown in Meta-World, or on the toy if that is what it was learned from. What a controller can fly is
+//! Evaluation: the policy, flown in the world of its task, or in a person's own. What a controller can fly is
 //! flown by the controller from its artefact; there is no second way for it to act. A sequence policy acts from this machine, behind the same checks.
 
 use std::num::NonZeroUsize;
@@ -13,10 +13,9 @@ use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use firmware_sim::remote::RemoteError;
 use firmware_sim::rollout::{
-    EpisodeReport, FlyError, Pilot, Summary, abreast, episode_seeds, fly_with, normalised_score,
+    EpisodeReport, FlyError, Pilot, Summary, abreast, episode_seeds, fly_with,
 };
-use firmware_sim::tasks::TaskError;
-use firmware_sim::worlds::World;
+use firmware_sim::worlds::{TaskError, World};
 use serde::{Deserialize, Serialize};
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, ContractFault, LoadError};
 
@@ -30,6 +29,9 @@ use crate::run::{EVALUATION, RunFolder};
 pub struct Evaluation {
     /// The task.
     pub task: String,
+    /// The world, where it is a person's own: its file, or `gym:` and an id.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world: Option<String>,
     /// In which numbers the policy computed.
     #[serde(default)]
     pub numeric: Numeric,
@@ -44,7 +46,8 @@ pub struct Evaluation {
     pub return_mean: f64,
     /// Their standard deviation.
     pub return_sd: f64,
-    /// Mean return over the largest return of the dataset, the paper's score; none on another task than the dataset's.
+    /// Mean return over the largest return of the dataset, the paper's score, or in a world with a yardstick of its own by that; none on
+    /// another task than the dataset's.
     pub score: Option<f64>,
     /// Share of episodes with success at some step.
     pub success: f64,
@@ -86,6 +89,36 @@ impl EpisodeFault {
 }
 
 impl Evaluation {
+    /// The world that it flew in; none if that is there no more.
+    #[must_use]
+    pub fn world(&self) -> Option<World> {
+        match &self.world {
+            Some(own) => own.parse().ok().map(World::Own),
+            None => World::of_task(&self.task).ok(),
+        }
+    }
+
+    /// What a score is, in words; none where there is none.
+    #[must_use]
+    pub fn measure(&self) -> Option<String> {
+        self.score?;
+        Some(match self.world()?.yardstick() {
+            Some([zero, one]) => format!("0 is a return of {zero:.1}, 1 is {one:.1}"),
+            None => format!(
+                "mean return over the largest return in the logs, {:.0}",
+                self.dataset_max
+            ),
+        })
+    }
+
+    /// The score that another mean return would have here; none where the policy's has none.
+    #[must_use]
+    pub fn score_of(&self, return_mean: f64) -> Option<f64> {
+        self.score?;
+        self.world()?
+            .score(return_mean, self.dataset_max, &self.task)
+    }
+
     /// Whether a fault kept the policy from flying a single tick of any episode.
     #[must_use]
     pub fn never_flew(&self) -> bool {
@@ -237,10 +270,14 @@ fn fly_all<Q: Pilot>(
     progress.finish();
     let summary = Summary::of(&flight.episodes);
     Ok(Evaluation {
-        // The best return of one task's dataset measures no other task.
-        score: normalised_score(summary.return_mean, origin.return_max)
-            .filter(|_| task == origin.task),
+        score: world
+            .world()
+            .score(summary.return_mean, origin.return_max, origin.task),
         task,
+        world: match world.world() {
+            World::Own(own) => Some(own.source()),
+            World::Listed(_) => None,
+        },
         numeric,
         engine,
         seed,
@@ -260,13 +297,15 @@ fn fly_all<Q: Pilot>(
     })
 }
 
-/// The evaluation that a run's folder holds if these episodes were flown, or else a new one, which it then holds.
+/// The evaluation that a run's folder holds if these episodes were flown, or else a new one, which it then holds. The world is that of
+/// the run's task if none is named.
 ///
 /// # Errors
 /// When the policy cannot be flown, or the disk is full or fails.
 pub fn evaluate_once(
     folder: &RunFolder,
     flyer: Flyer<'_>,
+    world: Option<World>,
     plan: &FlightPlan,
     audience: Audience,
 ) -> Result<Evaluation, EvaluateError> {
@@ -277,7 +316,7 @@ pub fn evaluate_once(
     {
         return Ok(held);
     }
-    let evaluation = evaluate(flyer, None, plan, audience)?;
+    let evaluation = evaluate(flyer, world, plan, audience)?;
     folder.write_json(EVALUATION, &evaluation)?;
     Ok(evaluation)
 }
@@ -300,6 +339,7 @@ mod tests {
         let folder = RunFolder::begin(temporary.path(), &config, &dataset).unwrap();
         let held = Evaluation {
             task: "reach-v3".to_owned(),
+            world: None,
             numeric: Numeric::F32,
             engine: Engine::Fast,
             seed: 3,
@@ -323,7 +363,7 @@ mod tests {
             };
             let artefact = folder.artefact_path();
             let flyer = Flyer::Artefact(&artefact, Numeric::F32);
-            evaluate_once(&folder, flyer, &plan, Audience::Nobody)
+            evaluate_once(&folder, flyer, None, &plan, Audience::Nobody)
         };
         assert_eq!(fly(2, 3).unwrap(), held);
         // There is no artefact: whoever wants to fly finds that out.

@@ -46,7 +46,7 @@ impl Behaviour {
 /// An episode to play. The same job gives the same bits, on any worker and after any other job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeJob {
-    /// The task, one of [`crate::tasks::ALL`].
+    /// The task, one of [`crate::worlds::metaworld::tasks::ALL`].
     pub task: String,
     /// How the scripted policy behaves.
     pub behaviour: Behaviour,

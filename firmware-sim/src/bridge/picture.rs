@@ -25,7 +25,7 @@ pub struct Look {
 /// States of one episode to draw. No states ask only whether pictures can be made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureJob {
-    /// The task, one of [`crate::tasks::ALL`] or [`crate::tasks::TWO_INTENTIONS`].
+    /// The task, one of [`crate::worlds::metaworld::tasks::ALL`] or [`crate::worlds::metaworld::tasks::TWO_INTENTIONS`].
     pub task: String,
     /// The seed of the episode: it decides where the things stand that no state says.
     pub seed: u64,

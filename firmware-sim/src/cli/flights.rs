@@ -26,8 +26,7 @@ use crate::remote::{RemoteController, RemoteError, Stream};
 use crate::rollout::{
     DeviceSummary, Flight, FlyError, Pilot, abreast, episode_seeds, fly, fly_episode, fly_with,
 };
-use crate::tasks;
-use crate::worlds::World;
+use crate::worlds::{self, World};
 
 /// The report of a flight, and whether what was to be recorded of it was written.
 pub type Flown = (Report, Result<(), Failure>);
@@ -45,20 +44,21 @@ pub struct Crew<'c> {
 }
 
 impl Crew<'_> {
-    pub fn fly_metaworld(&self) -> Result<Flown, Failure> {
+    /// In the world of the task that is asked for, or else of the one that the policy was trained for.
+    pub fn fly_task(&self) -> Result<Flown, Failure> {
         let trained_for = self.artifact.contract().task;
         let usage = |error: &dyn Display| Failure::new(ExitCode::Usage, error);
         let untold = |_| {
             usage(&format_args!(
-                "the policy was made for {trained_for:?}, which is no Meta-World task: name another \
+                "the policy was made for {trained_for:?}, which is a task of no world that is known here: name another \
                  --plant, a --task, or a --world of your own"
             ))
         };
         let task = match &self.args.task {
-            Some(task) => tasks::single(task).map_err(|error| usage(&error))?,
-            None => tasks::single(trained_for).map_err(untold)?,
+            Some(task) => worlds::single(task).map_err(|error| usage(&error))?,
+            None => worlds::single(trained_for).map_err(untold)?,
         };
-        self.fly_in(World::MetaWorld(task))
+        self.fly_in(World::Listed(task))
     }
 
     pub fn fly_in(&self, world: World) -> Result<Flown, Failure> {
@@ -74,7 +74,7 @@ impl Crew<'_> {
         let (report, recorded) = self.fly_many(|| world.plants(plants, period_us))?;
         let report = Report {
             engine: world.engine(),
-            ..report.on_task(&world.world().task())
+            ..report.in_world(world.world())
         };
         Ok((report, recorded))
     }

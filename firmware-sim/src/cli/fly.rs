@@ -43,7 +43,7 @@ the firmware or the board is missing or failed, 5 somebody else has the flash im
 pub struct FlyArgs {
     /// The artefact
     policy: PathBuf,
-    /// The Meta-World task; the one the policy was trained for if not given
+    /// The task; the one the policy was trained for if not given
     #[arg(long)]
     pub task: Option<String>,
     /// A world of your own to fly in: a Python file with make(), reset() and step(), or gym: and the id of an environment
@@ -62,7 +62,7 @@ pub struct FlyArgs {
     #[arg(long)]
     pub workers: Option<NonZeroUsize>,
     /// What to fly
-    #[arg(long, value_enum, default_value_t = PlantKind::Metaworld)]
+    #[arg(long, value_enum, default_value_t = PlantKind::World)]
     plant: PlantKind,
     /// The recording to show to the policy, with --plant replay: all of its episodes
     #[arg(long, value_name = "FILE", required_if_eq("plant", "replay"))]
@@ -82,8 +82,8 @@ pub struct FlyArgs {
 /// The plants that can be flown from the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PlantKind {
-    /// MuJoCo Meta-World, in Python processes
-    Metaworld,
+    /// The world of the task
+    World,
     /// A point on a table; needs no Python
     Toy,
     /// A recording: the report says how far the policy's actions are from the recorded ones
@@ -111,7 +111,7 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     };
     let (flight, recorded) = match (args.plant, &args.world) {
         (_, Some(own)) => crew.fly_in(World::Own(own.clone()))?,
-        (PlantKind::Metaworld, None) => crew.fly_metaworld()?,
+        (PlantKind::World, None) => crew.fly_task()?,
         (PlantKind::Toy, None) => {
             let units = Units::of_task(artifact.contract().task).unwrap_or_default();
             crew.fly_many(|| Ok(vec![ToyPlant::in_units(units)]))?
@@ -120,9 +120,9 @@ pub fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     };
     let report = Report {
         policy: args.policy.display().to_string(),
-        plant: match &args.world {
-            Some(own) => own.to_string(),
-            None => (args.plant.to_possible_value())
+        plant: match args.plant {
+            PlantKind::World => flight.plant,
+            kind => (kind.to_possible_value())
                 .map_or_else(String::new, |value| value.get_name().to_owned()),
         },
         injected: args.fault.iter().map(FaultPlan::to_string).collect(),
@@ -145,8 +145,8 @@ fn check(args: &FlyArgs) -> Result<(), Failure> {
             "--recording is what --plant replay shows: add that, or leave the recording out",
         );
     }
-    if args.task.is_some() && args.plant != PlantKind::Metaworld {
-        return usage("--task names a Meta-World task: leave it out, or fly --plant metaworld");
+    if args.task.is_some() && args.plant != PlantKind::World {
+        return usage("--task names a task of a world: leave it out, or fly --plant world");
     }
     match &args.record {
         Some(path) => {

@@ -9,6 +9,7 @@ use super::device_report::DeviceReport;
 use crate::bridge::Engine;
 use crate::plants::replay::Difference;
 use crate::rollout::{EpisodeReport, Flight, Summary, normalised_score};
+use crate::worlds::World;
 
 /// Everything `fly` reports.
 #[derive(Debug, Serialize)]
@@ -34,8 +35,11 @@ pub struct Report {
     pub return_sd: f64,
     /// The best return in the dataset the policy was trained on.
     pub dataset_max_return: f64,
-    /// The mean return as a share of that; none on another task.
+    /// The mean return as a share of that, or between those of the yardstick; none on another task.
     pub score: Option<f64>,
+    /// The returns that a score of 0 and of 1 stand for, where the world says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yardstick: Option<[f64; 2]>,
     /// The share of solved episodes.
     pub success_rate: f64,
     /// Episodes that latched a fault.
@@ -101,6 +105,7 @@ impl Report {
             return_sd: summary.return_sd,
             dataset_max_return,
             score: normalised_score(summary.return_mean, dataset_max_return),
+            yardstick: None,
             success_rate: summary.success_rate,
             faulted: summary.faulted,
             tick_p50_us: next_us(),
@@ -112,11 +117,13 @@ impl Report {
         }
     }
 
-    /// The same on this task. The best return of one task's dataset measures no other task.
-    pub fn on_task(self, task: &str) -> Self {
+    /// The same in this world. The best return of one task's dataset measures no other task.
+    pub fn in_world(self, world: &World) -> Self {
         Self {
-            score: self.score.filter(|_| task == self.trained_for),
-            task: task.to_owned(),
+            score: world.score(self.return_mean, self.dataset_max_return, &self.trained_for),
+            yardstick: world.yardstick(),
+            task: world.task(),
+            plant: world.name(),
             ..self
         }
     }
@@ -166,18 +173,22 @@ impl Display for Report {
             "return      {:.2} +- {:.2}",
             self.return_mean, self.return_sd
         )?;
-        match self.score {
-            Some(score) => writeln!(
+        match (self.score, self.yardstick) {
+            (Some(score), Some([zero, one])) => writeln!(
+                f,
+                "score       {score:.3}, where a return of {zero:.1} is 0 and {one:.1} is 1"
+            )?,
+            (Some(score), None) => writeln!(
                 f,
                 "score       {score:.3} of the dataset's best, {:.2}",
                 self.dataset_max_return
             )?,
-            None if self.task != self.trained_for => writeln!(
+            (None, _) if self.task != self.trained_for => writeln!(
                 f,
                 "score       none: the policy was trained for {}",
                 self.trained_for
             )?,
-            None => writeln!(
+            (None, _) => writeln!(
                 f,
                 "score       none: the dataset's best return is {:.2}",
                 self.dataset_max_return

@@ -21,6 +21,15 @@ pub enum OwnWorld {
 const GYM: &str = "gym:";
 
 impl OwnWorld {
+    /// What names it from anywhere on this machine.
+    #[must_use]
+    pub fn source(&self) -> String {
+        match self {
+            Self::File(path) => path.to_string_lossy().into_owned(),
+            Self::Gymnasium(id) => format!("{GYM}{id}"),
+        }
+    }
+
     /// Its worker, which starts where the file is.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ use firmware_sim::bridge::{
 use firmware_sim::plant::{Plant, PlantError};
 use firmware_sim::plants::simulated::SimulatedPlant;
 use firmware_sim::progress::Audience;
-use firmware_sim::tasks::TWO_INTENTIONS;
+use firmware_sim::worlds::metaworld::tasks::TWO_INTENTIONS;
 
 use crate::fake::bridge;
 use crate::python::passes;

@@ -4,7 +4,7 @@ use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
-use firmware_sim::tasks;
+use firmware_sim::worlds::{self, metaworld::tasks};
 
 use crate::bench::{Bench, BenchConfig, bench};
 
@@ -39,8 +39,9 @@ pub(super) struct BenchArgs {
 }
 
 pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
-    let task = tasks::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
-    if tasks::scene(task).is_some() {
+    let task = worlds::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
+    let task = task.name();
+    if !tasks::ALL.contains(&task) {
         return Err(Failure::new(
             ExitCode::Usage,
             format_args!(

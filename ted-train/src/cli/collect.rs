@@ -9,8 +9,7 @@ use firmware_sim::bridge::Engine;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
-use firmware_sim::plants::toy::Units;
-use firmware_sim::tasks;
+use firmware_sim::worlds;
 
 use crate::collect::{CollectConfig, CollectReport, Recipe, run_anywhere};
 
@@ -64,16 +63,11 @@ pub(super) struct CollectArgs {
 }
 
 pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
-    let tasks = match Units::of_task(&args.task) {
-        Some(units) => vec![units.task()],
-        None => tasks::resolve(&args.task)
-            .map_err(|e| Failure::new(ExitCode::Usage, e))?
-            .to_vec(),
-    };
+    let tasks = worlds::resolve(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
     let mut reports = Vec::new();
     for task in tasks {
         let config = CollectConfig {
-            task: task.to_owned(),
+            task: task.name().to_owned(),
             recipe: args.recipe,
             episodes: args.episodes,
             good: args.good,

@@ -129,9 +129,9 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
         }
     }
     .map_err(end)?;
-    // A run that was never flown is from now on.
+    // A run that was never flown is from now on, in a world of its own if no other is known.
     let of_the_run = args.task.is_none()
-        && args.world.is_none()
+        && (args.world.is_none() || !simulated(folder))
         && report.seed == config.seed
         && report.numeric == Numeric::F32;
     if of_the_run && !folder.file(EVALUATION).exists() {
@@ -139,6 +139,13 @@ fn fly_again(args: &EvalArgs, folder: &RunFolder) -> Result<(), Failure> {
     }
     args.output.print(&report, || text(&report))?;
     verdict(report.faulted, report.returns.len())
+}
+
+/// Whether the run's dataset is of a world that is known here.
+fn simulated(folder: &RunFolder) -> bool {
+    let dataset = dataset_of(folder, None).ok();
+    let task = dataset.as_ref().and_then(|it| it.task());
+    task.is_some_and(|task| World::of_task(task).is_ok())
 }
 
 /// A latched fault is a failure of its own kind.
@@ -192,7 +199,7 @@ pub(super) fn text(report: &Evaluation) -> String {
     let score =
         |score: Option<f64>| score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
     format!(
-        "{task}: {episodes} episodes, seed {seed}{numeric}, {engine} engine\n\
+        "{task}: {episodes} episodes, seed {seed}{numeric}{engine}\n\
          return            {mean:.1} +- {sd:.1}\n\
          normalised score  {normalised}\n\
          success           {success:.3}\n\
@@ -205,7 +212,10 @@ pub(super) fn text(report: &Evaluation) -> String {
         },
         episodes = report.returns.len(),
         seed = report.seed,
-        engine = report.engine,
+        engine = match report.world() {
+            Some(world) if world.has_engines() => format!(", {} engine", report.engine),
+            _ => String::new(),
+        },
         mean = report.return_mean,
         sd = report.return_sd,
         normalised = score(report.score),

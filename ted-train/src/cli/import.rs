@@ -7,6 +7,7 @@ use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 use firmware_sim::robot::Robot;
+use firmware_sim::worlds;
 
 use crate::dataset::minari::DatasetId;
 use crate::import::{ImportConfig, ImportReport, describe, import};
@@ -16,7 +17,8 @@ use super::locate::datasets_root;
 
 const EXAMPLES: &str = "\
 Examples:
-  ted import hopper-medium.hdf5                                D4RL
+  ted import hopper_medium-v2.hdf5 --task hopper               D4RL; policies fly in its world
+  ted import ant_medium-v2.hdf5 --task ant --observations 'observations[:27]'
   ted import low_dim.hdf5 --observations robot0_eef_pos,object robomimic
   ted import my_lerobot_dataset/ --as mine/so101-v0            LeRobot 2.1 or 3
   ted import logs.csv --map map.toml --robot robot.toml        a table; docs/import.md has the map
@@ -55,6 +57,10 @@ pub(super) struct ImportArgs {
     /// The robot, where it is declared: docs/your-robot.md
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
+    /// The task of a world that is known here, such as hopper: its robot recorded the logs, and policies are flown there. `ted worlds`
+    /// lists them
+    #[arg(long, conflicts_with = "robot")]
+    task: Option<String>,
     /// Make actions outside of their ranges the ends of these, and say how many there were
     #[arg(long)]
     clip: bool,
@@ -98,10 +104,12 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         return args.output.print(&text, || text.clone());
     }
     let robot = args.robot.as_deref().map(Robot::read).transpose();
+    let task = args.task.as_deref().map(worlds::single).transpose();
     let config = ImportConfig {
         source: args.source.clone(),
         options,
         robot: robot.map_err(end)?,
+        task: task.map_err(|error| Failure::new(ExitCode::Usage, error))?,
         clip: args.clip,
         id: args.id()?,
         root: datasets_root(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
-use firmware_sim::worlds::World;
+use firmware_sim::worlds;
 
 use crate::collect::NAMESPACE;
 use crate::config::Config;
@@ -143,7 +143,7 @@ pub(super) fn dataset_path(name: &str) -> PathBuf {
     let path = Path::new(name);
     if path.exists() {
         path.to_path_buf()
-    } else if World::of_task(name).is_ok() {
+    } else if worlds::single(name).is_ok_and(|task| task.collection().is_some()) {
         datasets_root()
             .join(NAMESPACE)
             .join(format!("{name}-paper-s0-v0"))

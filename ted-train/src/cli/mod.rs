@@ -24,6 +24,7 @@ mod seeds;
 mod study;
 mod table;
 mod train;
+mod worlds;
 
 use clap::{Parser, Subcommand};
 use firmware_sim::exit::ExitCode;
@@ -70,6 +71,7 @@ enum Command {
     Crosscheck(crosscheck::CrosscheckArgs),
     Report(report::ReportArgs),
     Robot(robot::RobotArgs),
+    Worlds(worlds::WorldsArgs),
     Bench(bench::BenchArgs),
     Study(study::StudyArgs),
 }
@@ -99,6 +101,7 @@ pub fn run() -> ExitCode {
         Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Robot(args) => robot::run(&args),
+        Command::Worlds(args) => worlds::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Study(args) => study::run(&args),
     });

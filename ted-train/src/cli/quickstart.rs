@@ -7,18 +7,20 @@ use clap::Args;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
-use firmware_sim::rollout::normalised_score;
-use firmware_sim::tasks;
+use firmware_sim::worlds::{self, OwnWorld, World};
 
+use crate::collect::PartReport;
 use crate::config::Preset;
+use crate::evaluate::Evaluation;
 use crate::fleet::Datasets;
-use crate::quickstart::{Quickstart, QuickstartConfig, quickstart, record};
+use crate::quickstart::{Place, Quickstart, QuickstartConfig, quickstart, record};
 use crate::reward::episodes::Confidence;
 
 use super::collect::workers;
 use super::crosscheck::{text as crosscheck_text, verdict};
 use super::door::{DoorArgs, Errand, door};
 use super::failures::end;
+use super::locate::dataset_path;
 use super::table::{Align, Table};
 
 const EXAMPLES: &str = "\
@@ -26,6 +28,7 @@ Examples:
   ted quickstart
   ted quickstart --task drawer-open-v3 --ask        you answer, on a web page
   ted quickstart --task drawer-open-v3 --episodes 1000 --steps 20000
+  ted quickstart --dataset mine/puck-v0 --world puck.py --ask      your own logs, and your own world
   ted quickstart --json
 
 Less than two minutes on two cores, and 700 MB for the simulator, which is installed first if it is not there.
@@ -39,8 +42,14 @@ const DEFAULT_TASK: &str = "box-close-v3";
 #[command(after_help = EXAMPLES)]
 pub(super) struct QuickstartArgs {
     /// The task
-    #[arg(long, default_value = DEFAULT_TASK)]
+    #[arg(long, default_value = DEFAULT_TASK, conflicts_with_all = ["dataset", "world"])]
     task: String,
+    /// Your own logs instead of a task that is collected: a folder, or a Minari id. They are flown in --world
+    #[arg(long, requires = "world", conflicts_with = "episodes")]
+    dataset: Option<String>,
+    /// A world of your own to fly in: a Python file with make(), reset() and step(), or gym: and the id of an environment
+    #[arg(long, value_name = "FILE|gym:ID", requires = "dataset")]
+    world: Option<OwnWorld>,
     /// The folder that everything is written to
     #[arg(long, default_value = "runs/quickstart")]
     out: PathBuf,
@@ -66,11 +75,18 @@ pub(super) struct QuickstartArgs {
 }
 
 pub(super) fn run(args: &QuickstartArgs) -> Result<(), Failure> {
-    let task = tasks::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
+    let place = match (&args.dataset, &args.world) {
+        (Some(dataset), Some(world)) => {
+            Place::Own(dataset_path(dataset), World::Own(world.clone()))
+        }
+        _ => {
+            let task = worlds::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
+            Place::Collected(task, args.episodes)
+        }
+    };
     let mut config = QuickstartConfig {
-        task: task.to_owned(),
+        place,
         out: args.out.clone(),
-        episodes: args.episodes,
         steps: args.steps,
         seed: args.seed,
         workers: workers(args.workers),
@@ -105,33 +121,17 @@ fn text(report: &Quickstart) -> String {
     ]);
     let (cloned, trained) = (&report.cloned, &report.trained);
     let (dataset, scripted) = (&report.dataset, &report.scripted);
-    for (name, episodes, mean_return, success) in [
-        (
-            "dataset",
-            dataset.episodes,
-            dataset.mean_return,
-            dataset.success_rate,
-        ),
-        (
-            "scripted policy",
-            scripted.episodes,
-            scripted.mean_return,
-            scripted.success_rate,
-        ),
-        (
-            "clone of the dataset",
-            cloned.returns.len(),
-            cloned.return_mean,
-            cloned.success,
-        ),
-        (
-            "trained policy",
-            trained.returns.len(),
-            trained.return_mean,
-            trained.success,
-        ),
-    ] {
-        let score = normalised_score(mean_return, trained.dataset_max);
+    let logs = |name, it: &PartReport| (name, it.episodes, it.mean_return, it.success_rate);
+    let flown = |name, it: &Evaluation| (name, it.returns.len(), it.return_mean, it.success);
+    let rows = [logs("dataset", dataset)]
+        .into_iter()
+        .chain(scripted.as_ref().map(|it| logs("scripted policy", it)))
+        .chain([
+            flown("clone of the dataset", cloned),
+            flown("trained policy", trained),
+        ]);
+    for (name, episodes, mean_return, success) in rows {
+        let score = trained.score_of(mean_return);
         results.row([
             name.to_owned(),
             episodes.to_string(),
@@ -149,14 +149,16 @@ fn text(report: &Quickstart) -> String {
     } else {
         "The policy returns no more than the clone of its logs: give it more --episodes or --steps, or another --task."
     };
+    let measure = trained.measure().map(|it| format!("Score: {it}."));
     let sure = report.confidence.as_ref().map(Confidence::in_words);
     [
         crosscheck_text(&report.crosscheck),
         paths.text(),
         results.text(),
-        format!("{verdict} A score of 1 is the best episode of the data."),
+        verdict.to_owned(),
     ]
     .into_iter()
+    .chain(measure)
     .chain(sure)
     .collect::<Vec<_>>()
     .join("\n\n")

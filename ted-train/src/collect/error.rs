@@ -7,7 +7,7 @@ use firmware_sim::bridge::BridgeError;
 use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::disk::WriteError;
 use firmware_sim::exit::ExitCode;
-use firmware_sim::tasks::TaskError;
+use firmware_sim::worlds::TaskError;
 
 /// Why a collection ended early. Whatever was complete by then is kept.
 #[derive(Debug, thiserror::Error)]
@@ -42,9 +42,19 @@ pub enum CollectError {
         /// The recipe.
         recipe: Recipe,
     },
-    /// The toy has no such scripted noise.
-    #[error("the recipe `{recipe}` is Meta-World's: the toy has paper and expert")]
-    NotTheToy {
+    /// There is no scripted policy.
+    #[error(
+        "{task} has no scripted policy to record: `ted import` reads the logs that others recorded"
+    )]
+    NoScript {
+        /// The task.
+        task: &'static str,
+    },
+    /// The scripted policy's actions cannot be pushed, and cannot drift.
+    #[error("{task} cannot be recorded by the recipe `{recipe}`: it has paper and expert")]
+    NoPush {
+        /// The task.
+        task: &'static str,
         /// The recipe.
         recipe: Recipe,
     },
@@ -81,7 +91,8 @@ impl CollectError {
             | Self::Recipe { .. }
             | Self::NoEpisodes
             | Self::TooManyGood { .. }
-            | Self::NotTheToy { .. }
+            | Self::NoScript { .. }
+            | Self::NoPush { .. }
             | Self::NoGoodPart { .. } => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Bridge(error) => error.exit_code(),

@@ -18,9 +18,10 @@ pub use source::{BridgeSource, EpisodeSource};
 pub use toy::ToySource;
 
 use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin};
-use firmware_sim::bridge::{Engine, Environment, environment};
+use firmware_sim::bridge::{Engine, Environment};
 use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
+use firmware_sim::worlds::World;
 use plan::Plan;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -72,8 +73,8 @@ impl CollectConfig {
     }
 }
 
-/// Collects what is missing of a dataset where its task is played: the toy in this process, Meta-World on this engine of the
-/// simulator, which is installed first if need be.
+/// Collects what is missing of a dataset where its task is played: the toy in this process, another one in its simulator, on this engine
+/// if there is a choice, which is installed first if need be.
 pub fn run_anywhere(
     config: &CollectConfig,
     engine: Engine,
@@ -82,17 +83,17 @@ pub fn run_anywhere(
     if let Some(report) = finished(config)? {
         return Ok(report);
     }
-    match ToySource::of(config) {
-        Some(mut toy) => run_on(config, &mut toy, audience),
-        None => run(
-            config,
-            &environment::ensure(audience)?.with_engine(engine),
-            audience,
-        ),
+    if let Some(mut toy) = ToySource::of(config) {
+        return run_on(config, &mut toy, audience);
     }
+    // A plan is of a task that has a scripted policy. That is known before anything is installed.
+    let task = Plan::new(config)?.task;
+    let world = World::Listed(task).ready(engine, audience)?;
+    let none = CollectError::NoScript { task: task.name() };
+    run(config, world.simulator().ok_or(none)?, audience)
 }
 
-/// Collects what is missing of a dataset on Meta-World itself.
+/// Collects what is missing of a dataset in its simulator.
 pub fn run(
     config: &CollectConfig,
     environment: &Environment,

@@ -5,23 +5,18 @@ use super::{CollectConfig, CollectError, NAMESPACE, Recipe};
 use crate::dataset::minari::{Behaviour, DatasetId, Origin};
 use crate::rng::Seed;
 use firmware_sim::bridge::EpisodeJob;
-use firmware_sim::plants::toy::{self, Units};
 use firmware_sim::robot::Robot;
-use firmware_sim::tasks;
-use firmware_sim::worlds::metaworld;
+use firmware_sim::worlds::{self, Collection, Task};
 use std::path::PathBuf;
 
 const VISIBLE: &str = "visible, drawn per episode from its seed";
 const HIDDEN: &str = "hidden, one of two that take turns";
-const REWARD_VERSION: &str = "v2";
-const TOY_REWARD: &str = "toy";
 
 /// The episodes of a dataset.
 pub(super) struct Plan<'a> {
     config: &'a CollectConfig,
-    /// What a task of two intentions shares with the other one.
-    scene: Option<&'a str>,
-    toy: Option<Units>,
+    pub task: Task,
+    collection: Collection,
     pub id: DatasetId,
     /// How many episodes.
     pub total: u32,
@@ -33,19 +28,19 @@ pub(super) struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     pub fn new(config: &'a CollectConfig) -> Result<Self, CollectError> {
-        let toy = Units::of_task(&config.task);
-        let task = match toy {
-            Some(units) => units.task(),
-            None => tasks::single(&config.task)?,
-        };
+        let task = worlds::single(&config.task)?;
+        let none = || CollectError::NoScript { task: task.name() };
+        let collection = task.collection().ok_or_else(none)?;
         let (recipe, total) = (config.recipe, config.episode_count());
         if total == 0 {
             return Err(CollectError::NoEpisodes);
         }
-        if toy.is_some() && matches!(recipe, Recipe::Biased | Recipe::Drift) {
-            return Err(CollectError::NotTheToy { recipe });
+        if !collection.pushes && matches!(recipe, Recipe::Biased | Recipe::Drift) {
+            return Err(CollectError::NoPush {
+                task: task.name(),
+                recipe,
+            });
         }
-        let scene = tasks::scene(task);
         let own = recipe.default_good(total);
         let (good, recipe) = match (config.good, own) {
             (Some(_), None) => return Err(CollectError::NoGoodPart { recipe }),
@@ -59,11 +54,11 @@ impl<'a> Plan<'a> {
             true => String::new(),
             false => format!("-n{total}"),
         };
-        let name = format!("{task}-{recipe}{episodes}-s{}", config.seed);
+        let name = format!("{}-{recipe}{episodes}-s{}", task.name(), config.seed);
         Ok(Self {
             config,
-            scene,
-            toy,
+            task,
+            collection,
             id: DatasetId::new(NAMESPACE, &name, 0)?,
             total,
             good,
@@ -73,7 +68,7 @@ impl<'a> Plan<'a> {
 
     /// The robot that is recorded.
     pub fn robot(&self) -> Robot {
-        self.toy.map_or_else(metaworld::robot, Units::robot)
+        self.task.robot()
     }
 
     pub fn folder(&self) -> PathBuf {
@@ -84,7 +79,7 @@ impl<'a> Plan<'a> {
     /// rewards a scene of two intentions, it is the same episode.
     pub fn seed(&self, episode: u32) -> u64 {
         let CollectConfig { task, recipe, .. } = self.config;
-        let task = self.scene.unwrap_or(task);
+        let task = self.collection.scene.unwrap_or(task);
         Seed::root(self.config.seed)
             .child(&format!("collect/{task}/{recipe}/{episode}"))
             .value()
@@ -93,7 +88,7 @@ impl<'a> Plan<'a> {
     /// Two intentions take turns.
     fn played(&self, episode: u32) -> Played {
         let played = self.config.recipe.played(episode, self.good);
-        match self.scene {
+        match self.collection.scene {
             None => played,
             Some(_) => played.after((episode % 2) as u8),
         }
@@ -109,10 +104,7 @@ impl<'a> Plan<'a> {
             task: self.config.task.clone(),
             behaviour: self.played(episode).behaviour,
             seed: self.seed(episode),
-            steps: match self.toy {
-                Some(_) => toy::EPISODE_STEPS,
-                None => metaworld::EPISODE_STEPS,
-            },
+            steps: self.collection.steps,
         }
     }
 
@@ -129,18 +121,13 @@ impl<'a> Plan<'a> {
             recipe: self.recipe.clone(),
             seed: self.config.seed,
             episodes: self.total,
-            goal: if self.scene.is_some() {
+            goal: if self.collection.scene.is_some() {
                 HIDDEN
             } else {
                 VISIBLE
             }
             .into(),
-            reward: if self.toy.is_some() {
-                TOY_REWARD
-            } else {
-                REWARD_VERSION
-            }
-            .into(),
+            reward: self.collection.reward.into(),
             engine,
         }
     }

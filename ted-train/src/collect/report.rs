@@ -1,5 +1,6 @@
 //! What a collected dataset came to, in the terms of the paper's table of datasets.
 
+use crate::dataset::Dataset;
 use crate::dataset::minari::EpisodeNote;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -32,6 +33,22 @@ pub struct PartReport {
     pub max_return: f64,
     /// Share of episodes in which the task was solved at some step.
     pub success_rate: f64,
+}
+
+impl PartReport {
+    /// Of the logs that somebody else recorded.
+    #[must_use]
+    pub fn of_logs(dataset: &Dataset) -> Self {
+        let episodes = dataset.episodes();
+        Self {
+            part: "logs".to_owned(),
+            episodes: episodes.len(),
+            mean_return: dataset.mean_return_true(),
+            max_return: dataset.max_return_true(),
+            success_rate: episodes.iter().filter(|it| it.success).count() as f64
+                / episodes.len().max(1) as f64,
+        }
+    }
 }
 
 impl CollectReport {

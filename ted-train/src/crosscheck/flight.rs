@@ -2,9 +2,8 @@
 
 use firmware_sim::bridge::Engine;
 use firmware_sim::progress::Audience;
-use firmware_sim::worlds::World;
 
-use crate::evaluate::{EvaluateError, Evaluation, FlightPlan, Flyer, evaluate};
+use crate::evaluate::{Evaluation, FlightPlan, Flyer, evaluate};
 use crate::run::{EVALUATION, RunFolder};
 
 use super::CrosscheckError;
@@ -33,10 +32,15 @@ pub(super) fn fly_again(
         ));
     }
     let held: Evaluation = folder.read_json(EVALUATION)?;
+    let Some(world) = held.world() else {
+        return Ok(Again::Nothing(
+            "the world that evaluation.json was made in is not there any more",
+        ));
+    };
     let episodes = episodes.min(u32::try_from(held.returns.len()).unwrap_or(episodes));
     let flown = evaluate(
         Flyer::Artefact(&folder.artefact_path(), held.numeric),
-        Some(World::of_task(&held.task).map_err(EvaluateError::Task)?),
+        Some(world),
         &FlightPlan {
             episodes,
             seed: held.seed,

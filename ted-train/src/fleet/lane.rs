@@ -197,7 +197,7 @@ impl Begun<'_> {
                     workers: simulators.get(),
                     engine: Engine::default(),
                 };
-                Some(evaluate_once(&self.folder, flyer, &plan, audience)?)
+                Some(evaluate_once(&self.folder, flyer, None, &plan, audience)?)
             }
             false => None,
         };

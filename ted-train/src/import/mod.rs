@@ -15,6 +15,7 @@ use std::process::Command;
 use firmware_sim::interrupt;
 use firmware_sim::progress::{Audience, Progress};
 use firmware_sim::robot::{ROBOT_FILE, Robot};
+use firmware_sim::worlds::Task;
 use serde::Serialize;
 
 use crate::dataset::EpisodeRecord;
@@ -30,6 +31,8 @@ pub struct ImportConfig {
     pub options: Vec<String>,
     /// The robot, if somebody declared it.
     pub robot: Option<Robot>,
+    /// The task of a known world that the logs are of, if they are; its robot is then theirs.
+    pub task: Option<Task>,
     /// Whether actions outside of their ranges are made the ends of these.
     pub clip: bool,
     /// The dataset.
@@ -88,14 +91,15 @@ pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport,
     let there = there
         .ok()
         .and_then(|data| Robot::read(&data.join(ROBOT_FILE)).ok());
-    let declared = config.robot.clone().or(there.filter(Robot::declared));
+    let of_task = config.task.map(|task| task.robot());
+    let declared = (of_task.or_else(|| config.robot.clone())).or(there.filter(Robot::declared));
     let robot = match &declared {
         Some(robot) => robot::fitting(robot.clone(), &header)?,
         None => robot::draft(&header, &seen),
     };
     let clipped = outside(config, command(), &robot, &seen)?;
     let source = config.source.display().to_string();
-    let task = config.id.name();
+    let task = config.task.map_or(config.id.name(), |task| task.name());
     let origin = Origin::import(task, &source, &header.format, header.has.rewards);
     let writer = DatasetWriter::open(&config.root, config.id.clone(), origin, robot.clone())?;
     write(config, command(), &writer, &robot, &seen, audience)?;

@@ -5,6 +5,9 @@ use firmware_sim::robot::{Fact, Robot};
 use super::reader::{Channel, Header};
 use super::{ImportError, Seen};
 
+/// So many names are read in a message.
+const FEW: usize = 12;
+
 /// The declared robot, if it has the channels of the source.
 pub(super) fn fitting(robot: Robot, header: &Header) -> Result<Robot, ImportError> {
     let widths = [
@@ -13,7 +16,11 @@ pub(super) fn fitting(robot: Robot, header: &Header) -> Result<Robot, ImportErro
     ];
     for (kind, declared, found) in widths {
         if declared != found.len() {
-            let names: Vec<_> = found.iter().map(|it| it.name.as_str()).collect();
+            let mut names: Vec<_> = found.iter().map(|it| it.name.as_str()).collect();
+            if names.len() > FEW {
+                names.truncate(FEW);
+                names.push("...");
+            }
             return Err(ImportError::OtherRobot {
                 robot: robot.name,
                 kind,

@@ -1,5 +1,5 @@
-//! The whole pipeline at reduced size: from nothing to a policy that has flown, and beside it the clone of the same logs, which is
-//! what they give without a look and without an answer.
+//! The whole pipeline at reduced size: from nothing, or from a person's own logs, to a policy that has flown, and beside it the clone of
+//! the same logs, which is what they give without a look and without an answer.
 //!
 //! Every stage is the one that the other commands run, with smaller numbers, and every stage goes on where it was stopped.
 
@@ -7,9 +7,11 @@ mod narrator;
 
 use std::path::{Path, PathBuf};
 
-use firmware_sim::bridge::environment::{self, Environment, SetupError};
+use firmware_sim::bridge::Engine;
+use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::controller::Numeric;
 use firmware_sim::progress::Audience;
+use firmware_sim::worlds::{Ready, Task, World};
 use serde::Serialize;
 
 use crate::collect::{self, CollectConfig, CollectError, CollectReport, PartReport, Recipe};
@@ -22,7 +24,7 @@ use crate::preferences::{ScriptedTeacher, Teacher};
 use crate::report::report;
 use crate::reward::episodes::Confidence;
 use crate::run::{DatasetReference, EVALUATION, PREFERENCES, REPORT, RunError, RunFolder};
-use crate::train::{RewardReport, TrainError, train};
+use crate::train::{RewardReport, TrainError, check_teacher, train};
 use firmware_sim::disk::WriteError;
 
 use narrator::Narrator;
@@ -39,12 +41,10 @@ const CHECKPOINT_EVERY: u64 = 2_000;
 /// How large, and where.
 #[derive(Clone, Debug)]
 pub struct QuickstartConfig {
-    /// The task.
-    pub task: String,
+    /// Where its logs come from, and where it flies.
+    pub place: Place,
     /// The folder that everything is written to.
     pub out: PathBuf,
-    /// Episodes to collect.
-    pub episodes: u32,
     /// Updates of the policy, and of the clone.
     pub steps: u64,
     /// Root of all randomness.
@@ -55,12 +55,23 @@ pub struct QuickstartConfig {
     pub asked: Option<usize>,
 }
 
+/// Where the logs of a quickstart come from, and where it flies.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// So many episodes of a task are collected, and it flies there.
+    Collected(Task, u32),
+    /// A person's logs, in this folder, and a world to fly in.
+    Own(PathBuf, World),
+}
+
 /// What a quickstart learns from.
 #[derive(Debug)]
 pub struct Logs {
-    environment: Environment,
-    scripted: CollectReport,
-    collected: CollectReport,
+    world: Ready,
+    /// The scripted policy, if there is one.
+    scripted: Option<CollectReport>,
+    /// The folder of the logs.
+    folder: PathBuf,
 }
 
 /// What came of it.
@@ -70,8 +81,8 @@ pub struct Quickstart {
     pub task: String,
     /// The dataset that the policy was learned from.
     pub dataset: PartReport,
-    /// The scripted policy without noise.
-    pub scripted: PartReport,
+    /// The scripted policy without noise, if there is one.
+    pub scripted: Option<PartReport>,
     /// The clone of the dataset, which nobody was asked for.
     pub cloned: Evaluation,
     /// The trained policy.
@@ -140,7 +151,7 @@ impl QuickstartConfig {
     /// When the number of updates is zero.
     pub fn lane(&self, logs: &Logs) -> Result<Lane, ConfigError> {
         Ok(Lane {
-            dataset: logs.collected.folder.clone(),
+            dataset: logs.folder.clone(),
             config: self.training()?,
             folder: self.run_folder(Preset::default()),
             answers: None,
@@ -160,9 +171,9 @@ impl QuickstartConfig {
         Ok(config)
     }
 
-    fn collection(&self, recipe: Recipe, episodes: u32) -> CollectConfig {
+    fn collection(&self, task: Task, recipe: Recipe, episodes: u32) -> CollectConfig {
         CollectConfig {
-            task: self.task.clone(),
+            task: task.name().to_owned(),
             recipe,
             episodes: Some(episodes),
             good: None,
@@ -174,14 +185,31 @@ impl QuickstartConfig {
 
     /// One folder for each choice, so that another size is another run.
     fn run_folder(&self, preset: Preset) -> PathBuf {
-        let (episodes, steps, seed) = (self.episodes, self.steps, self.seed);
+        let (steps, seed) = (self.steps, self.seed);
         let asked = if self.asked.is_some() && preset != Preset::Bc {
             "-asked"
         } else {
             ""
         };
-        let name = format!("{}-n{episodes}-u{steps}-s{seed}{asked}", preset.name());
-        self.out.join(&self.task).join(name)
+        let logs = match &self.place {
+            Place::Collected(_, episodes) => format!("-n{episodes}"),
+            Place::Own(..) => String::new(),
+        };
+        let name = format!("{}{logs}-u{steps}-s{seed}{asked}", preset.name());
+        self.out.join(self.place.name()).join(name)
+    }
+}
+
+impl Place {
+    fn name(&self) -> String {
+        match self {
+            Self::Collected(task, _) => task.name().to_owned(),
+            Self::Own(logs, _) => logs
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+        }
     }
 }
 
@@ -191,23 +219,41 @@ impl QuickstartConfig {
 /// When a stage fails or is interrupted; what is complete is kept, and the same call goes on.
 pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, QuickstartError> {
     stage(audience, 1, "set up the simulator");
-    let environment = environment::ensure(audience)?;
-
-    stage(
-        audience,
-        2,
-        "record the scripted policy, and what a bad robot would do",
-    );
-    let collected = |recipe, episodes| {
-        collect::run(&config.collection(recipe, episodes), &environment, audience)
-    };
-    let scripted = collected(Recipe::Expert, SCRIPTED_EPISODES)?;
-    let collected = collected(Recipe::Paper, config.episodes)?;
-    Ok(Logs {
-        environment,
-        scripted,
-        collected,
-    })
+    let engine = Engine::default();
+    match &config.place {
+        Place::Own(logs, world) => {
+            let world = world.clone().ready(engine, audience)?;
+            stage(
+                audience,
+                2,
+                &format!("the logs are there: {}", logs.display()),
+            );
+            Ok(Logs {
+                world,
+                scripted: None,
+                folder: logs.clone(),
+            })
+        }
+        Place::Collected(task, episodes) => {
+            let world = World::Listed(*task).ready(engine, audience)?;
+            stage(
+                audience,
+                2,
+                "record the scripted policy, and what a bad robot would do",
+            );
+            let collected = |recipe, episodes| {
+                let collection = config.collection(*task, recipe, episodes);
+                collect::run_anywhere(&collection, engine, audience)
+            };
+            let scripted = collected(Recipe::Expert, SCRIPTED_EPISODES)?;
+            let folder = collected(Recipe::Paper, *episodes)?.folder;
+            Ok(Logs {
+                world,
+                scripted: Some(scripted),
+                folder,
+            })
+        }
+    }
 }
 
 fn stage(audience: Audience, number: u32, what: &str) {
@@ -224,12 +270,15 @@ pub fn quickstart(
     audience: Audience,
 ) -> Result<Quickstart, QuickstartError> {
     let Logs {
-        environment,
+        world,
         scripted,
-        collected,
+        folder: logs,
     } = logs;
     let training = config.training()?;
-    let dataset = Dataset::open(&collected.folder)?;
+    let dataset = Dataset::open(logs)?;
+    if config.asked.is_none() {
+        check_teacher(&dataset, &training)?;
+    }
 
     stage(
         audience,
@@ -244,7 +293,7 @@ pub fn quickstart(
     let reference = DatasetReference {
         id: dataset.id().to_owned(),
         digest: dataset.digest().to_owned(),
-        path: collected.folder.clone(),
+        path: logs.clone(),
     };
     let learned = |training: &Config, teacher: &mut dyn Teacher| {
         let path = config.run_folder(training.preset);
@@ -274,12 +323,12 @@ pub fn quickstart(
         episodes: FLOWN_EPISODES,
         seed: config.seed,
         workers: config.workers,
-        engine: environment.engine(),
+        engine: Engine::default(),
     };
     let flown = |folder: &RunFolder| {
         let artefact = folder.artefact_path();
         let flyer = Flyer::Artefact(&artefact, Numeric::F32);
-        evaluate_once(folder, flyer, &plan, audience)
+        evaluate_once(folder, flyer, Some(world.world().clone()), &plan, audience)
     };
     let (trained, cloned) = (flown(&folder)?, flown(&clone)?);
 
@@ -292,36 +341,35 @@ pub fn quickstart(
     let crosscheck = crosscheck(&folder, &dataset, &check, audience)?;
     folder.write_json("crosscheck.json", &crosscheck)?;
     // The run is what it is without its page.
-    if let Err(error) = report(
-        &folder,
-        &dataset,
-        &collected.folder,
-        &folder.file(REPORT),
-        audience,
-    ) {
+    if let Err(error) = report(&folder, &dataset, logs, &folder.file(REPORT), audience) {
         audience.note(&format!("there is no report: {error}"));
     }
 
     let reward: RewardReport = folder.read_json("reward.json")?;
     Ok(Quickstart {
-        task: config.task.clone(),
+        task: config.place.name(),
         beats_dataset: trained.return_mean > dataset.mean_return_true(),
         beats_clone: trained.return_mean > cloned.return_mean,
-        dataset: collected.mix.clone(),
-        scripted: scripted.mix.clone(),
+        dataset: PartReport::of_logs(&dataset),
+        scripted: scripted.as_ref().map(|it| it.mix.clone()),
         cloned,
         trained,
         confidence: reward.confidence,
         crosscheck,
-        written: written(&collected.folder, &scripted.folder, &clone, &folder),
+        written: written(logs, scripted.as_ref(), &clone, &folder),
     })
 }
 
-fn written(dataset: &Path, scripted: &Path, clone: &RunFolder, folder: &RunFolder) -> Vec<Written> {
+fn written(
+    dataset: &Path,
+    scripted: Option<&CollectReport>,
+    clone: &RunFolder,
+    folder: &RunFolder,
+) -> Vec<Written> {
     let entry = |what, path: PathBuf| Written { what, path };
+    let scripted = scripted.map(|it| entry("scripted policy", it.folder.clone()));
     let all = [
         entry("dataset", dataset.to_path_buf()),
-        entry("scripted policy", scripted.to_path_buf()),
         entry("clone", clone.path().to_path_buf()),
         entry("questions", folder.file(PREFERENCES)),
         entry("reward quality", folder.file("reward.json")),
@@ -332,18 +380,24 @@ fn written(dataset: &Path, scripted: &Path, clone: &RunFolder, folder: &RunFolde
         entry("cross-check", folder.file("crosscheck.json")),
         entry("report, to look at", folder.file(REPORT)),
     ];
-    all.into_iter().filter(|it| it.path.exists()).collect()
+    let all = all.into_iter().chain(scripted);
+    all.filter(|it| it.path.exists()).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use firmware_sim::worlds;
+
     use super::*;
+
+    fn task() -> Task {
+        worlds::single("box-close-v3").unwrap()
+    }
 
     fn config() -> QuickstartConfig {
         QuickstartConfig {
-            task: "box-close-v3".to_owned(),
+            place: Place::Collected(task(), 3),
             out: PathBuf::from("out"),
-            episodes: 3,
             steps: 7,
             seed: 5,
             workers: 1,
@@ -378,7 +432,12 @@ mod tests {
         let config = config();
         let [own, clone] = [Preset::default(), Preset::Bc].map(|it| config.run_folder(it));
         assert!(own.starts_with("out") && clone.starts_with("out") && own != clone);
-        assert!(config.collection(Recipe::Paper, 3).root.starts_with("out"));
+        assert!(
+            config
+                .collection(task(), Recipe::Paper, 3)
+                .root
+                .starts_with("out")
+        );
         assert!(config.training().is_ok());
         assert!(QuickstartConfig { steps: 0, ..config }.training().is_err());
     }

@@ -1,6 +1,5 @@
 //! The page.
 
-use firmware_sim::rollout::normalised_score;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ReportError;
@@ -67,7 +66,7 @@ pub(super) fn plot(svg: String, label: &str) -> Markup {
 
 fn flights(flown: &Evaluation, facts: &Facts) -> Result<Markup, ReportError> {
     let (clone, rewarded) = (facts.clone.as_ref(), facts.verdict.logs.is_some());
-    let of_logs = normalised_score(flown.dataset_mean, flown.dataset_max);
+    let of_logs = flown.score_of(flown.dataset_mean);
     let row = |name: &str, it: &Evaluation| {
         html! {
             tr {
@@ -96,7 +95,7 @@ fn flights(flown: &Evaluation, facts: &Facts) -> Result<Markup, ReportError> {
             }
             p .small {
                 "Return: mean and standard deviation."
-                @if rewarded { " Score: mean return over the largest return in the logs, " (format!("{:.0}", flown.dataset_max)) "." }
+                @if let Some(measure) = flown.measure() { " Score: " (measure) "." }
             }
             (plot(figures::flights(flown, clone, rewarded)?, "the return of every flight, beside mean and largest return of the logs"))
             @if let Some(flight) = &facts.flight { (one_flight(flight, flown.returns.len())) }

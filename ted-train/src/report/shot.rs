@@ -5,7 +5,6 @@ use std::path::Path;
 use axum::body::Bytes;
 use firmware_sim::progress::Audience;
 use firmware_sim::rollout::episode_seed;
-use firmware_sim::worlds::World;
 
 use crate::ask::film::{NoFilm, Reel};
 use crate::ask::{Channels, ClipSource, Numbers, Picture};
@@ -98,7 +97,7 @@ impl<'a> Camera<'a> {
     fn fly(&self, flown: &Evaluation, artefact: &Path, place: usize) -> Option<Recording> {
         let seed = episode_seed(flown.seed, place as u64);
         // A simulator that is not there is not installed for a report.
-        let world = World::of_task(&flown.task).ok()?;
+        let world = flown.world()?;
         let world = world.ready_if_installed(flown.engine).ok()??;
         let recorded = record(artefact, flown.numeric, &world, seed);
         let missed = |error| {

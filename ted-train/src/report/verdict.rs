@@ -147,6 +147,7 @@ mod tests {
     fn flown(returns: &[f64]) -> Evaluation {
         Evaluation {
             task: "drawer-open-v3".to_owned(),
+            world: None,
             numeric: Numeric::F32,
             engine: Engine::Fast,
             seed: 0,

@@ -8,7 +8,7 @@ use super::stamp::Stamp;
 use super::{Environment, SIMULATOR, location, python, python_of, sources};
 use crate::bridge::message::FaultCode;
 use crate::bridge::{BridgeError, Look, PictureJob, Worker};
-use crate::tasks;
+use crate::worlds::metaworld::tasks;
 
 /// One thing that was looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]

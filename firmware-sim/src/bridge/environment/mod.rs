@@ -20,6 +20,7 @@ pub use checks::{Check, diagnose};
 pub use error::SetupError;
 pub use kit::{INSTALLER, Kit};
 pub use python::{Interpreter, find as interpreter};
+pub use sources::WORKER_KIT;
 
 use super::engine::Engine;
 use crate::progress::Audience;
@@ -46,9 +47,36 @@ pub struct Environment {
     scratch: PathBuf,
     /// Whether this program installed it, in the folder `scratch`.
     ours: bool,
-    engine: Engine,
-    /// The world of one's own that the worker plays, instead of Meta-World on an engine.
-    own: Option<OsString>,
+    plays: Plays,
+}
+
+/// What the worker is told to play.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Plays {
+    /// Meta-World on this engine.
+    MetaWorld(Engine),
+    /// A task of another world that this program knows.
+    Task(&'static str),
+    /// A world of one's own.
+    Own(OsString),
+}
+
+/// What simulates a task in the simulator's environment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// The worker of Meta-World, on this engine.
+    MetaWorld(Engine),
+    /// A worker of another world.
+    Worker {
+        /// The folder of its files is called this, with their digest.
+        name: &'static str,
+        /// Its files beside [`WORKER_KIT`], by name.
+        files: &'static [(&'static str, &'static str)],
+        /// The one that is run.
+        script: &'static str,
+        /// The task, which it is told.
+        task: &'static str,
+    },
 }
 
 impl Environment {
@@ -60,8 +88,7 @@ impl Environment {
             worker: worker.to_owned(),
             scratch: scratch.to_owned(),
             ours: false,
-            engine: Engine::default(),
-            own: None,
+            plays: Plays::MetaWorld(Engine::default()),
         }
     }
 
@@ -72,9 +99,9 @@ impl Environment {
     /// When the worker's files cannot be written into the cache folder.
     pub fn own(world: &OsStr, folder: &Path) -> Result<Self, SetupError> {
         let python = set(PYTHON_VARIABLE).unwrap_or_else(|| "python3".into());
-        let worker = sources::write_own(&cache()?)?.join(sources::OWN_WORKER);
+        let worker = sources::write_worker(&cache()?, "own-world", &[])?.join(sources::OWN_WORKER);
         Ok(Self {
-            own: Some(world.to_owned()),
+            plays: Plays::Own(world.to_owned()),
             ..Self::custom(&python, &worker, folder)
         })
     }
@@ -83,22 +110,49 @@ impl Environment {
     /// one's own may need them.
     pub(super) fn arguments(&self) -> Vec<OsString> {
         let worker = self.worker.clone().into_os_string();
-        match &self.own {
-            Some(world) => vec![worker, world.clone()],
-            None => vec!["-Es".into(), worker, self.engine.name().into()],
+        match &self.plays {
+            Plays::MetaWorld(engine) => vec!["-Es".into(), worker, engine.name().into()],
+            Plays::Task(task) => vec!["-Es".into(), worker, task.into()],
+            Plays::Own(world) => vec![worker, world.clone()],
         }
     }
 
     /// The same environment with another engine.
     #[must_use]
     pub fn with_engine(self, engine: Engine) -> Self {
-        Self { engine, ..self }
+        Self {
+            plays: Plays::MetaWorld(engine),
+            ..self
+        }
     }
 
-    /// How its workers simulate.
+    /// The same interpreter with the program that simulates a task.
+    ///
+    /// # Errors
+    /// When the program's files cannot be written into the environment.
+    pub fn running(self, program: Program) -> Result<Self, SetupError> {
+        match program {
+            Program::MetaWorld(engine) => Ok(self.with_engine(engine)),
+            Program::Worker {
+                name,
+                files,
+                script,
+                task,
+            } => Ok(Self {
+                worker: sources::write_worker(&self.scratch, name, files)?.join(script),
+                plays: Plays::Task(task),
+                ..self
+            }),
+        }
+    }
+
+    /// How its workers simulate Meta-World.
     #[must_use]
     pub const fn engine(&self) -> Engine {
-        self.engine
+        match self.plays {
+            Plays::MetaWorld(engine) => engine,
+            Plays::Task(_) | Plays::Own(_) => Engine::Reference,
+        }
     }
 
     /// The interpreter that runs the workers.

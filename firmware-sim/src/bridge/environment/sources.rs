@@ -51,8 +51,8 @@ pub(super) const FILES: [(&str, &str); 18] = carried!(
 /// The script of the worker for a world of one's own.
 pub(super) const OWN_WORKER: &str = "own_worker.py";
 
-/// The files of that worker, which needs no package.
-const OWN_FILES: [(&str, &str); 4] = [
+/// The files of a worker for a world in Python that speaks with this program. It needs no package.
+pub const WORKER_KIT: [(&str, &str); 4] = [
     (OWN_WORKER, include_str!("../../../own-world/own_worker.py")),
     (
         "messages.py",
@@ -70,10 +70,15 @@ pub(super) fn drawing_digest() -> String {
     digest(FILES.iter().filter(|(name, _)| DRAWING.contains(name)))
 }
 
-/// Puts the files of the worker for a world of one's own into the cache folder, and returns their folder.
-pub(super) fn write_own(cache: &Path) -> Result<PathBuf, SetupError> {
-    let name = format!("own-world-{}", &digest(OWN_FILES.iter())[..16]);
-    put(cache.join(name), &OWN_FILES)
+/// Puts the files of a worker, [`WORKER_KIT`] and these, into a folder of their own in this one, and returns that.
+pub(super) fn write_worker(
+    folder: &Path,
+    name: &str,
+    files: &[(&str, &str)],
+) -> Result<PathBuf, SetupError> {
+    let files = [&WORKER_KIT[..], files].concat();
+    let name = format!("{name}-{}", &digest(files.iter())[..16]);
+    put(folder.join(name), &files)
 }
 
 /// Puts files into a folder whose name holds their digest.

@@ -6,7 +6,7 @@ use firmware_sim::bridge::message::FaultCode;
 use firmware_sim::bridge::{
     BridgeError, Environment, Look, PictureJob, State, Worker, environment,
 };
-use firmware_sim::tasks;
+use firmware_sim::worlds;
 
 use super::{FilmSource, NoFilm};
 use crate::dataset::{Dataset, minari};
@@ -27,7 +27,8 @@ impl Simulator {
     /// # Errors
     /// When it is no dataset of Meta-World, or the simulator is not installed.
     pub fn of(dataset: &Dataset, folder: &Path, look: Look) -> Result<Self, NoFilm> {
-        let task = dataset.task().filter(|task| tasks::single(task).is_ok());
+        let drawn = |task: &&str| worlds::single(task).is_ok_and(|task| task.kind().draws());
+        let task = dataset.task().filter(drawn);
         let task = task.ok_or_else(|| {
             NoFilm("no simulator knows these logs, so only numbers can be drawn".into())
         })?;

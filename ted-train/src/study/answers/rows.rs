@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use firmware_sim::plants::toy::Units;
-use firmware_sim::tasks;
+use firmware_sim::worlds::metaworld::tasks;
 use serde::{Deserialize, Serialize};
 
 use super::Method;

@@ -32,6 +32,7 @@ fn score(of: &Planned, score: f64, success: f64) -> RunScore {
         config: of.run.config.clone(),
         evaluation: Evaluation {
             task: of.task.to_owned(),
+            world: None,
             numeric: Numeric::F32,
             engine: Engine::default(),
             seed,

@@ -49,6 +49,7 @@ fn finish(run: &StudyRun, dataset_digest: &str) {
     folder.write_json("reward.json", &reward).unwrap();
     let evaluation = Evaluation {
         task: "reach-v3".to_owned(),
+        world: None,
         numeric: Numeric::F32,
         engine: Engine::default(),
         seed: run.config.seed,
