@@ -30,6 +30,10 @@ pub enum DiscountConfig {
     Constant {
         /// The factor, in [0, 1].
         gamma: f32,
+        /// Added to every reward: -1 makes a task whose only reward is at its end one of losing no time (IQL on AntMaze). TED has
+        /// none, because it makes values negative, and a lower discount would raise them.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        shift: f32,
     },
     /// TED.
     Ted {
@@ -65,6 +69,11 @@ pub enum DiscountConfig {
         /// Subtracted from each reward of the others, in the unit of the labels; at least 0.
         penalty: f32,
     },
+}
+
+/// A run that shifts nothing is configured as ever.
+fn is_zero(shift: &f32) -> bool {
+    *shift == 0.0
 }
 
 /// What an offline algorithm is given for each transition.
@@ -110,7 +119,10 @@ impl DiscountConfig {
         penalty: 0.3,
     };
     /// IQL's constant discount factor.
-    pub const CONSTANT: Self = Self::Constant { gamma: 0.99 };
+    pub const CONSTANT: Self = Self::Constant {
+        gamma: 0.99,
+        shift: 0.0,
+    };
 
     /// The rewards and discounts of every transition, under any rule.
     ///
@@ -121,9 +133,11 @@ impl DiscountConfig {
         let lookup = self.lookup(returns_hat)?;
         let mut rewards = labels.rewards.clone();
         let discounts = match *self {
-            Self::Constant { .. } | Self::Ted { .. } => {
+            Self::Constant { shift, .. } => {
+                rewards.iter_mut().for_each(|reward| *reward += shift);
                 self.discounts(lookup.as_ref(), dataset, returns_hat)
             }
+            Self::Ted { .. } => self.discounts(lookup.as_ref(), dataset, returns_hat),
             Self::TedTransition { gamma, k, sigma } => {
                 let ted = TedDiscount::new(gamma, sigma, ReturnThreshold::<f32>::ALL)?;
                 stopped(dataset, alternatives::by_transition(&ted, k, &rewards))
@@ -180,7 +194,7 @@ impl DiscountConfig {
         dataset: &Dataset,
         returns_hat: &[f32],
     ) -> Vec<f32> {
-        let (Self::Constant { gamma }
+        let (Self::Constant { gamma, .. }
         | Self::Ted { gamma, .. }
         | Self::TedTransition { gamma, .. }
         | Self::TedSoft { gamma, .. }
@@ -287,7 +301,10 @@ mod tests {
             let ted = config.lookup(&returns_hat).unwrap();
             config.discounts(ted.as_ref(), &dataset, &returns_hat)
         };
-        let constant = DiscountConfig::Constant { gamma: 0.5 };
+        let constant = DiscountConfig::Constant {
+            gamma: 0.5,
+            shift: 0.0,
+        };
         let [full, none] = [0.5, 0.0];
         assert_eq!(
             discounts(constant),

@@ -121,8 +121,11 @@ fn text(report: &Quickstart) -> String {
     ]);
     let (cloned, trained) = (&report.cloned, &report.trained);
     let (dataset, scripted) = (&report.dataset, &report.scripted);
-    let logs = |name, it: &PartReport| (name, it.episodes, it.mean_return, it.success_rate);
-    let flown = |name, it: &Evaluation| (name, it.returns.len(), it.return_mean, it.success);
+    // Logs without rewards have no returns.
+    let known =
+        |name, it: &PartReport| (name != "dataset" || report.rewarded).then_some(it.mean_return);
+    let logs = |name, it: &PartReport| (name, it.episodes, known(name, it), it.success_rate);
+    let flown = |name, it: &Evaluation| (name, it.returns.len(), Some(it.return_mean), it.success);
     let rows = [logs("dataset", dataset)]
         .into_iter()
         .chain(scripted.as_ref().map(|it| logs("scripted policy", it)))
@@ -131,11 +134,11 @@ fn text(report: &Quickstart) -> String {
             flown("trained policy", trained),
         ]);
     for (name, episodes, mean_return, success) in rows {
-        let score = trained.score_of(mean_return);
+        let score = mean_return.and_then(|it| trained.score_of(it));
         results.row([
             name.to_owned(),
             episodes.to_string(),
-            format!("{mean_return:.1}"),
+            mean_return.map_or_else(|| "-".to_owned(), |it| format!("{it:.1}")),
             score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}")),
             format!("{success:.2}"),
         ]);

@@ -119,7 +119,10 @@ fn discount(config: &DiscountConfig) -> Result<(), ConfigError> {
     let table = Table("discount");
     let share = |field, value: f32| table.share(field, as_written(value));
     match *config {
-        DiscountConfig::Constant { gamma } => share("gamma", gamma),
+        DiscountConfig::Constant { gamma, shift } => {
+            share("gamma", gamma)?;
+            table.within("shift", as_written(shift), shift.is_finite(), "finite")
+        }
         DiscountConfig::Ted { gamma, k, sigma }
         | DiscountConfig::TedTransition { gamma, k, sigma } => {
             share("gamma", gamma)?;

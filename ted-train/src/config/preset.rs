@@ -384,7 +384,11 @@ mod tests {
             panic!("{:?}", config.discount);
         };
         assert_eq!(sigma, 1.0);
-        assert_eq!(DiscountConfig::CONSTANT, DiscountConfig::Constant { gamma });
+        let shift = 0.0;
+        assert_eq!(
+            DiscountConfig::CONSTANT,
+            DiscountConfig::Constant { gamma, shift }
+        );
     }
 
     #[test]
@@ -401,10 +405,7 @@ mod tests {
         assert_eq!((preset, seed, unit_rewards), (Preset::OprlITed, 0, true));
         let (gamma, k, sigma) = (0.99, 70.0, 0.7);
         assert_eq!(discount, DiscountConfig::Ted { gamma, k, sigma });
-        assert_eq!(
-            Preset::OprlI.config().discount,
-            DiscountConfig::Constant { gamma }
-        );
+        assert_eq!(Preset::OprlI.config().discount, DiscountConfig::CONSTANT);
         let adam = Adam {
             beta1: 0.9,
             beta2: 0.999,

@@ -81,6 +81,8 @@ pub struct Quickstart {
     pub task: String,
     /// The dataset that the policy was learned from.
     pub dataset: PartReport,
+    /// Whether the logs have rewards, and with them returns.
+    pub rewarded: bool,
     /// The scripted policy without noise, if there is one.
     pub scripted: Option<PartReport>,
     /// The clone of the dataset, which nobody was asked for.
@@ -89,8 +91,8 @@ pub struct Quickstart {
     pub trained: Evaluation,
     /// How sure the model is that the episodes that the policy imitates are better than the others.
     pub confidence: Option<Confidence>,
-    /// Whether the trained policy's mean return is larger than that of its dataset.
-    pub beats_dataset: bool,
+    /// Whether the trained policy's mean return is larger than that of its dataset; none where that has none.
+    pub beats_dataset: Option<bool>,
     /// Whether it is larger than that of the clone.
     pub beats_clone: bool,
     /// Whether what flew is what was trained.
@@ -345,10 +347,12 @@ pub fn quickstart(
         audience.note(&format!("there is no report: {error}"));
     }
 
+    let rewarded = dataset.only_reward().is_none();
     let reward: RewardReport = folder.read_json("reward.json")?;
     Ok(Quickstart {
         task: config.place.name(),
-        beats_dataset: trained.return_mean > dataset.mean_return_true(),
+        beats_dataset: rewarded.then(|| trained.return_mean > dataset.mean_return_true()),
+        rewarded,
         beats_clone: trained.return_mean > cloned.return_mean,
         dataset: PartReport::of_logs(&dataset),
         scripted: scripted.as_ref().map(|it| it.mix.clone()),

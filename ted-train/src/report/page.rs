@@ -212,9 +212,12 @@ fn quality(reward: &RewardReport) -> Markup {
 
 fn discounts(discount: &DiscountConfig, episodes: usize) -> String {
     match discount {
-        DiscountConfig::Constant { gamma } => {
-            format!("Every step has the discount factor {gamma}.")
-        }
+        DiscountConfig::Constant { gamma, shift } => match shift {
+            0.0 => format!("Every step has the discount factor {gamma}."),
+            shift => format!(
+                "Every step has the discount factor {gamma}, and {shift} is added to its reward."
+            ),
+        },
         DiscountConfig::Ted { k, sigma, gamma } if *sigma < 1.0 => format!(
             "The best {k} % of {episodes} episodes by prediction (blue) have the discount factor {gamma}, the others {:.3}. The line is the \
              border.",

@@ -2,6 +2,7 @@
 
 pub mod answers;
 pub mod cells;
+pub mod d4rl;
 pub mod fill;
 pub mod grid;
 pub mod paper;

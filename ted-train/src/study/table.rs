@@ -74,7 +74,8 @@ pub fn table(scores: &[RunScore]) -> Grid {
 }
 
 fn paper_score(of: &RunScore) -> String {
-    let known = super::paper::score(&of.evaluation.task, of.config.preset);
+    let by = |name: &str| super::paper::score(name, of.config.preset);
+    let known = by(&of.evaluation.task).or_else(|| by(&of.dataset));
     known.map_or_else(
         || "-".to_owned(),
         |[mean, spread]| format!("{mean:.2} ± {spread:.2}"),

@@ -1,6 +1,7 @@
 //! `ted study`: the measurements behind the defaults and the tables of the documents.
 
 mod answers;
+mod d4rl;
 mod merge;
 mod policies;
 mod reward;
@@ -18,7 +19,8 @@ const EXAMPLES: &str = "\
 Examples:
   ted study reward
   ted study policies --presets true,oprl-i+ted --set algorithm.steps=50000
-  ted study answers --table";
+  ted study answers --table
+  ted study d4rl ~/.d4rl/datasets";
 
 /// Measure what the defaults were chosen by
 #[derive(Debug, Args)]
@@ -33,6 +35,7 @@ enum Study {
     Reward(reward::RewardArgs),
     Policies(policies::PoliciesArgs),
     Answers(answers::AnswersArgs),
+    D4rl(d4rl::D4rlArgs),
     Merge(merge::MergeArgs),
 }
 
@@ -56,6 +59,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         Study::Reward(args) => reward::run(args),
         Study::Policies(args) => policies::run(args),
         Study::Answers(args) => answers::run(args),
+        Study::D4rl(args) => d4rl::run(args),
         Study::Merge(args) => merge::run(args),
     }
 }
