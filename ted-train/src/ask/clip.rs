@@ -47,6 +47,7 @@ impl Picture {
         let places = channels.positions.iter().map(|position| Place {
             name: position.name.clone(),
             mark: position.mark,
+            declared: position.axes.map(|axis| axis.is_some()),
             path: shown()
                 .map(|(seen, _)| {
                     position
@@ -93,6 +94,9 @@ pub struct Place {
     pub mark: Mark,
     /// Where it is.
     pub path: Vec<[f32; 3]>,
+    /// Which of its three coordinates the robot has; the others are 0.
+    #[serde(skip)]
+    pub declared: [bool; 3],
 }
 
 /// A number over time.

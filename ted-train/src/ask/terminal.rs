@@ -229,6 +229,7 @@ fn tracks(picture: &Picture) -> Vec<Track> {
         ["x", "y", "z"]
             .into_iter()
             .enumerate()
+            .filter(|(axis, _)| place.declared[*axis])
             .map(|(axis, name)| Track {
                 name: format!("{} {name}", place.name),
                 unit: String::new(),

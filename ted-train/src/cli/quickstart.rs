@@ -13,7 +13,7 @@ use crate::collect::PartReport;
 use crate::config::Preset;
 use crate::evaluate::Evaluation;
 use crate::fleet::Datasets;
-use crate::quickstart::{Place, Quickstart, QuickstartConfig, quickstart, record};
+use crate::quickstart::{Quickstart, QuickstartConfig, Setting, quickstart, record};
 use crate::reward::episodes::Confidence;
 
 use super::collect::workers;
@@ -75,17 +75,17 @@ pub(super) struct QuickstartArgs {
 }
 
 pub(super) fn run(args: &QuickstartArgs) -> Result<(), Failure> {
-    let place = match (&args.dataset, &args.world) {
+    let setting = match (&args.dataset, &args.world) {
         (Some(dataset), Some(world)) => {
-            Place::Own(dataset_path(dataset), World::Own(world.clone()))
+            Setting::Own(dataset_path(dataset), World::Own(world.clone()))
         }
         _ => {
             let task = worlds::single(&args.task).map_err(|e| Failure::new(ExitCode::Usage, e))?;
-            Place::Collected(task, args.episodes)
+            Setting::Collected(task, args.episodes)
         }
     };
     let mut config = QuickstartConfig {
-        place,
+        setting,
         out: args.out.clone(),
         steps: args.steps,
         seed: args.seed,

@@ -49,16 +49,13 @@ pub enum SegmentError {
         /// Steps of the longest.
         longest: u32,
     },
-    /// An episode that cannot hold one segment.
+    /// No episode can hold one segment.
     #[error(
-        "episode {episode} has {len} steps, fewer than the {segment} of a segment; \
-         ask for shorter segments or leave the episode out of the dataset"
+        "no episode has the {segment} steps of a segment: the longest has {longest}; ask for shorter segments"
     )]
-    EpisodeTooShort {
-        /// The episode.
-        episode: u32,
-        /// Steps it has.
-        len: usize,
+    AllTooShort {
+        /// Steps of the longest.
+        longest: usize,
         /// Steps a segment needs.
         segment: u32,
     },
@@ -134,7 +131,7 @@ impl Segment {
     }
 }
 
-/// Draws segments of one kind, uniformly over all valid (episode, start).
+/// Draws segments of one kind, uniformly over all valid (episode, start). An episode that is shorter than a segment has none.
 #[derive(Clone, Debug)]
 pub struct SegmentSampler {
     /// Steps of a segment of each episode.
@@ -144,34 +141,36 @@ pub struct SegmentSampler {
 }
 
 impl SegmentSampler {
-    /// A sampler for such segments; refused when an episode cannot hold one.
+    /// A sampler for such segments.
     ///
     /// # Errors
-    /// When an episode has fewer steps, or a segment would have none.
+    /// When every episode has fewer steps, or a segment would have none.
     pub fn new(dataset: &Dataset, clip: Clip) -> Result<Self, SegmentError> {
         let mut starts = 0;
-        let episodes = dataset.episodes().iter().enumerate();
-        let each = episodes.map(|(index, episode)| {
+        let each = dataset.episodes().iter().map(|episode| {
             let len = match clip {
                 Clip::Steps(0) => return Err(SegmentError::Empty),
                 Clip::Steps(steps) => steps,
                 // No dataset has more than 2^32 observations: `dataset::assemble` refuses it.
                 Clip::Episode => episode.len as u32,
             };
-            match (episode.len as u64).checked_sub(u64::from(len)) {
-                Some(last_start) => {
-                    starts += last_start + 1;
-                    Ok((len, starts))
-                }
-                None => Err(SegmentError::EpisodeTooShort {
-                    episode: index as u32,
-                    len: episode.len,
-                    segment: len,
-                }),
-            }
+            let last_start = (episode.len as u64).checked_sub(u64::from(len));
+            starts += last_start.map_or(0, |last| last + 1);
+            Ok((len, starts))
         });
         let (lens, starts_up_to) = each.collect::<Result<_, _>>()?;
-        Ok(Self { lens, starts_up_to })
+        match clip {
+            Clip::Steps(segment) if starts == 0 => Err(SegmentError::AllTooShort {
+                longest: dataset
+                    .episodes()
+                    .iter()
+                    .map(|it| it.len)
+                    .max()
+                    .unwrap_or(0),
+                segment,
+            }),
+            _ => Ok(Self { lens, starts_up_to }),
+        }
     }
 
     /// The same for a model that compares only segments as long as each other.
@@ -281,16 +280,17 @@ mod tests {
     }
 
     #[test]
-    fn an_episode_shorter_than_a_segment_is_named() {
-        let error = SegmentSampler::new(&dataset(&[10, 3]), Clip::Steps(5)).unwrap_err();
-        assert_eq!(
-            error,
-            SegmentError::EpisodeTooShort {
-                episode: 1,
-                len: 3,
-                segment: 5
-            }
-        );
+    fn an_episode_shorter_than_a_segment_has_none_and_logs_of_such_episodes_are_refused() {
+        let some = dataset(&[3, 6, 4, 5]);
+        let sampler = SegmentSampler::new(&some, Clip::Steps(5)).unwrap();
+        let all: Vec<_> = (0..sampler.count())
+            .map(|index| sampler.nth(index))
+            .map(|it| it.steps(&some))
+            .collect();
+        assert_eq!(all, [3..8, 4..9, 13..18]);
+        let error = SegmentSampler::new(&dataset(&[4, 3]), Clip::Steps(5)).unwrap_err();
+        let (longest, segment) = (4, 5);
+        assert_eq!(error, SegmentError::AllTooShort { longest, segment });
     }
 
     #[test]

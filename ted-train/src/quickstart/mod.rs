@@ -42,7 +42,7 @@ const CHECKPOINT_EVERY: u64 = 2_000;
 #[derive(Clone, Debug)]
 pub struct QuickstartConfig {
     /// Where its logs come from, and where it flies.
-    pub place: Place,
+    pub setting: Setting,
     /// The folder that everything is written to.
     pub out: PathBuf,
     /// Updates of the policy, and of the clone.
@@ -57,7 +57,7 @@ pub struct QuickstartConfig {
 
 /// Where the logs of a quickstart come from, and where it flies.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum Setting {
     /// So many episodes of a task are collected, and it flies there.
     Collected(Task, u32),
     /// A person's logs, in this folder, and a world to fly in.
@@ -193,16 +193,16 @@ impl QuickstartConfig {
         } else {
             ""
         };
-        let logs = match &self.place {
-            Place::Collected(_, episodes) => format!("-n{episodes}"),
-            Place::Own(..) => String::new(),
+        let logs = match &self.setting {
+            Setting::Collected(_, episodes) => format!("-n{episodes}"),
+            Setting::Own(..) => String::new(),
         };
         let name = format!("{}{logs}-u{steps}-s{seed}{asked}", preset.name());
-        self.out.join(self.place.name()).join(name)
+        self.out.join(self.setting.name()).join(name)
     }
 }
 
-impl Place {
+impl Setting {
     fn name(&self) -> String {
         match self {
             Self::Collected(task, _) => task.name().to_owned(),
@@ -222,8 +222,8 @@ impl Place {
 pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, QuickstartError> {
     stage(audience, 1, "set up the simulator");
     let engine = Engine::default();
-    match &config.place {
-        Place::Own(logs, world) => {
+    match &config.setting {
+        Setting::Own(logs, world) => {
             let world = world.clone().ready(engine, audience)?;
             stage(
                 audience,
@@ -236,7 +236,7 @@ pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, Qui
                 folder: logs.clone(),
             })
         }
-        Place::Collected(task, episodes) => {
+        Setting::Collected(task, episodes) => {
             let world = World::Listed(*task).ready(engine, audience)?;
             stage(
                 audience,
@@ -350,7 +350,7 @@ pub fn quickstart(
     let rewarded = dataset.only_reward().is_none();
     let reward: RewardReport = folder.read_json("reward.json")?;
     Ok(Quickstart {
-        task: config.place.name(),
+        task: config.setting.name(),
         beats_dataset: rewarded.then(|| trained.return_mean > dataset.mean_return_true()),
         rewarded,
         beats_clone: trained.return_mean > cloned.return_mean,
@@ -400,7 +400,7 @@ mod tests {
 
     fn config() -> QuickstartConfig {
         QuickstartConfig {
-            place: Place::Collected(task(), 3),
+            setting: Setting::Collected(task(), 3),
             out: PathBuf::from("out"),
             steps: 7,
             seed: 5,

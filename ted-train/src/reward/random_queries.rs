@@ -19,7 +19,7 @@ impl RandomQueries {
     /// Whether the dataset has such segments.
     ///
     /// # Errors
-    /// When an episode is too short for one.
+    /// When every episode is too short for one.
     pub fn check(self, dataset: &Dataset) -> Result<(), LearnError> {
         SegmentSampler::new(dataset, self.clip)?;
         Ok(())

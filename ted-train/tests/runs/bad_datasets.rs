@@ -131,14 +131,18 @@ fn damaged_and_missing_files_are_named() {
 }
 
 #[test]
-fn an_episode_shorter_than_a_segment_is_named_before_anybody_is_asked() {
+fn an_episode_shorter_than_a_segment_is_not_asked_about_and_logs_of_such_ones_are_refused() {
     let desk = Desk::new();
     let mut records = episodes(3, 30);
     records[2] = episodes(1, 9).remove(0);
-    let dataset = write(desk.folder.path(), "short", &records);
+    let dataset = write(desk.folder.path(), "one-short", &records);
+    finish(&mut desk.train_on(&dataset, "one-short-run", "oprl-i", &[])).with(0);
+    let asked = fs::read_to_string(desk.folder.path().join("one-short-run/preferences.jsonl"));
+    assert!(!asked.unwrap().contains("\"episode\":2,"));
+    let dataset = write(desk.folder.path(), "short", &episodes(3, 9));
     finish(&mut desk.train_on(&dataset, "run", "oprl-i", &[]))
         .with(3)
-        .telling("episode 2 has 9 steps, fewer than the 10 of a segment");
+        .telling("no episode has the 10 steps of a segment: the longest has 9");
     // Whoever does not ask about segments does not mind.
     finish(&mut desk.train_on(&dataset, "plain", "true", &[])).with(0);
 }

@@ -2,5 +2,6 @@
 
 mod binaries;
 mod commands;
+mod d4rl;
 mod metaworld;
 mod toy;
