@@ -10,6 +10,7 @@ use super::flights::Crew;
 use super::report::Report;
 use super::seat::SeatArgs;
 use crate::bridge::Engine;
+use crate::counts::{EPISODES, at_a_time};
 use crate::device::message::Refusal;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
@@ -50,7 +51,7 @@ pub struct FlyArgs {
     #[arg(long, value_name = "FILE|gym:ID", conflicts_with_all = ["task", "plant"])]
     pub world: Option<OwnWorld>,
     /// How many episodes
-    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(EPISODES))]
     pub episodes: u32,
     /// The root seed that the episodes' seeds are derived from
     #[arg(long, default_value_t = 0)]
@@ -59,7 +60,7 @@ pub struct FlyArgs {
     #[arg(long, value_enum, default_value_t)]
     pub engine: Engine,
     /// How many simulators side by side; all cores if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     pub workers: Option<NonZeroUsize>,
     /// What to fly
     #[arg(long, value_enum, default_value_t = PlantKind::Metaworld)]

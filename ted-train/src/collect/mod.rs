@@ -17,8 +17,11 @@ pub use report::{CollectReport, PartReport};
 pub use source::{BridgeSource, EpisodeSource};
 pub use toy::ToySource;
 
-use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin};
+use crate::dataset::Shape;
+use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin, Room};
+use crate::need;
 use firmware_sim::bridge::{Engine, Environment, environment};
+use firmware_sim::disk::Disk;
 use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use plan::Plan;
@@ -131,10 +134,20 @@ pub fn run_on(
     source: &mut dyn EpisodeSource,
     audience: Audience,
 ) -> Result<CollectReport, CollectError> {
+    run_on_disk(Disk::REAL, config, source, audience)
+}
+
+fn run_on_disk(
+    disk: Disk,
+    config: &CollectConfig,
+    source: &mut dyn EpisodeSource,
+    audience: Audience,
+) -> Result<CollectReport, CollectError> {
     if let Some(report) = finished(config)? {
         return Ok(report);
     }
     let plan = Plan::new(config)?;
+    make_sure_of_room(disk, &plan)?;
     let total = plan.total;
     let origin = plan.origin(&source.versions()?);
     let writer = DatasetWriter::open(&config.root, plan.id.clone(), origin, plan.robot())?;
@@ -192,6 +205,22 @@ pub fn run_on(
         missing.len(),
         notes,
     ))
+}
+
+/// Refuses episodes that there is no memory or no disk for.
+fn make_sure_of_room(disk: Disk, plan: &Plan<'_>) -> Result<(), CollectError> {
+    /// What is kept in memory of an episode: its job and its note, with their texts.
+    const KEPT: f64 = 1024.0;
+    need::check_count("--episodes", plan.total.into(), KEPT)?;
+    let steps = plan.job(0).steps;
+    let room = Room {
+        shape: Shape::of(&plan.robot()),
+        infos: plan.infos(),
+    };
+    let missing = plan.total - minari::begun_episodes(&plan.folder()).min(plan.total);
+    let steps = u64::from(steps) * u64::from(missing);
+    let what = format!("recording {missing} episodes");
+    Ok(room.require(disk, &plan.folder(), &what, missing.into(), steps)?)
 }
 
 #[cfg(test)]

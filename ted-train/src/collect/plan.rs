@@ -116,6 +116,13 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// Numbers that are recorded of a step beside what a policy is learned from: the state of the simulator.
+    pub fn infos(&self) -> usize {
+        /// Of Meta-World's largest model.
+        const LARGEST: usize = 64;
+        if self.toy.is_some() { 0 } else { LARGEST }
+    }
+
     pub fn origin(&self, versions: &str) -> Origin {
         // The interpreter computes nothing that reaches the data, so it is no part of the engine.
         let engine = versions

@@ -8,17 +8,19 @@ mod reader;
 mod robot;
 
 pub use error::ImportError;
+use error::called;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use firmware_sim::disk::{Disk, WriteError};
 use firmware_sim::interrupt;
 use firmware_sim::progress::{Audience, Progress};
 use firmware_sim::robot::{ROBOT_FILE, Robot};
 use serde::Serialize;
 
-use crate::dataset::EpisodeRecord;
-use crate::dataset::minari::{self, Behaviour, DatasetId, DatasetWriter, Origin};
+use crate::dataset::minari::{self, Behaviour, DatasetId, DatasetWriter, Origin, Room};
+use crate::dataset::{EpisodeRecord, Shape};
 use reader::{EpisodeRead, Header, Next, Reader};
 
 /// What to import, and where to.
@@ -94,6 +96,7 @@ pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport,
         None => robot::draft(&header, &seen),
     };
     let clipped = outside(config, command(), &robot, &seen)?;
+    make_sure_of_room(Disk::REAL, config, &robot, &seen)?;
     let source = config.source.display().to_string();
     let task = config.id.name();
     let origin = Origin::import(task, &source, &header.format, header.has.rewards);
@@ -179,7 +182,7 @@ fn look(
                     let step = note
                         .step
                         .map_or_else(String::new, |step| format!(", step {step}"));
-                    format!("episode {}{step}: {}", read.name, note.what)
+                    format!("{}{step}: {}", called(&read.name), note.what)
                 }));
                 bar.at(&read, seen.episodes.len() + 1);
                 seen.episodes.push((read.number, read.name, read.steps));
@@ -234,6 +237,26 @@ fn outside(
         }),
         _ => Ok(counts),
     }
+}
+
+/// Refuses what there is no disk for; what is there already needs none.
+fn make_sure_of_room(
+    disk: Disk,
+    config: &ImportConfig,
+    robot: &Robot,
+    seen: &Seen,
+) -> Result<(), WriteError> {
+    let folder = config.id.folder(&config.root);
+    let there = minari::begun_episodes(&folder) as usize;
+    let missing = seen.episodes.iter().skip(there);
+    let steps = missing.clone().map(|(_, _, steps)| *steps as u64).sum();
+    let room = Room {
+        shape: Shape::of(robot),
+        infos: 0,
+    };
+    let episodes = missing.count() as u64;
+    let what = format!("importing {episodes} episodes");
+    room.require(disk, &folder, &what, episodes, steps)
 }
 
 /// Writes what is not there yet.

@@ -15,11 +15,12 @@ mod stamp;
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 pub use checks::{Check, diagnose};
 pub use error::SetupError;
 pub use kit::{INSTALLER, Kit};
-pub use python::{Interpreter, find as interpreter};
+pub use python::{Interpreter, call, find as interpreter};
 
 use super::engine::Engine;
 use crate::progress::Audience;
@@ -79,13 +80,20 @@ impl Environment {
         })
     }
 
-    /// What the worker is started with. Neither `PYTHONPATH` nor the user's own packages may change what Meta-World imports; a world of
+    /// How the worker is started. Neither `PYTHONPATH` nor the user's own packages may change what Meta-World imports; a world of
     /// one's own may need them.
-    pub(super) fn arguments(&self) -> Vec<OsString> {
-        let worker = self.worker.clone().into_os_string();
+    pub(super) fn command(&self) -> Command {
         match &self.own {
-            Some(world) => vec![worker, world.clone()],
-            None => vec!["-Es".into(), worker, self.engine.name().into()],
+            Some(world) => {
+                let mut command = Command::new(&self.python);
+                command.arg(&self.worker).arg(world);
+                command
+            }
+            None => {
+                let mut command = call(&self.python);
+                (command.arg("-Es").arg(&self.worker)).arg(self.engine.name());
+                command
+            }
         }
     }
 
