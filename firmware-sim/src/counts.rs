@@ -28,7 +28,14 @@ mod tests {
     fn there_is_at_least_one_and_no_more_than_a_machine_could_start() {
         assert_eq!(at_a_time("1").map(usize::from), Ok(1));
         assert_eq!(at_a_time("1024").map(usize::from), Ok(1024));
-        for text in ["0", "-1", "1025", "4000000000", "many", "99999999999999999999"] {
+        for text in [
+            "0",
+            "-1",
+            "1025",
+            "4000000000",
+            "many",
+            "99999999999999999999",
+        ] {
             assert_eq!(at_a_time(text), Err(format!("{text} is not in 1..=1024")));
         }
     }

@@ -244,3 +244,32 @@ pub fn lock(folder: &Path) -> Result<File, WriteError> {
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     Disk::REAL.replace(path, bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_not_fit_is_refused_with_how_much_where_and_the_way_out() {
+        let disk = Disk::with_free(|_| Some(3_000_000));
+        let place = Path::new("/data/mine");
+        let begin = |bytes| disk.require(place, bytes, "recording it", "free some");
+        assert!(begin(3_000_000.0).is_ok());
+        let refused = begin(3_000_001.0).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "recording it needs about 3.0 MB on the disk, and 3.0 MB are free at /data/mine: free some"
+        );
+        assert_eq!(refused.exit_code(), ExitCode::Storage);
+        // Where nobody says how much there is, it is tried.
+        let unknown = Disk::with_free(|_| None);
+        assert!(unknown.require(place, 1e300, "it", "").is_ok());
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_yet_has_the_space_of_the_one_that_will_hold_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let free = free_space(&folder.path().join("not/there"));
+        assert!(free.is_some_and(|bytes| bytes > 0), "{free:?}");
+    }
+}

@@ -10,9 +10,9 @@ pub mod bridge;
 #[cfg(feature = "std")]
 pub mod cli;
 pub mod controller;
-pub mod device;
 #[cfg(feature = "std")]
 pub mod counts;
+pub mod device;
 #[cfg(feature = "std")]
 pub mod disk;
 #[cfg(feature = "std")]

@@ -10,7 +10,9 @@ const UNKNOWN: u64 = 64 << 30;
 #[must_use]
 pub fn free_memory() -> u64 {
     let meminfo = fs::read_to_string("/proc/meminfo").ok();
-    let free = meminfo.as_deref().and_then(|text| meminfo_bytes(text, "MemAvailable"));
+    let free = meminfo
+        .as_deref()
+        .and_then(|text| meminfo_bytes(text, "MemAvailable"));
     free.unwrap_or(UNKNOWN).min(limit().unwrap_or(u64::MAX))
 }
 

@@ -80,6 +80,9 @@ pub struct FlyArgs {
     pub output: OutputArgs,
 }
 
+/// Episodes that a recording may have: a gigabyte or two of Meta-World.
+const MOST_RECORDED: u32 = 10_000;
+
 /// The plants that can be flown from the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PlantKind {
@@ -150,6 +153,12 @@ fn check(args: &FlyArgs) -> Result<(), Failure> {
         return usage("--task names a Meta-World task: leave it out, or fly --plant metaworld");
     }
     match &args.record {
+        Some(_) if args.episodes > MOST_RECORDED => Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "--record keeps all of a flight in memory: at most {MOST_RECORDED} episodes, or leave it out"
+            ),
+        )),
         Some(path) => {
             disk::check_writable(path).map_err(|error| Failure::new(error.exit_code(), error))
         }

@@ -162,7 +162,7 @@ impl Ends for EvaluateError {
             Self::Load(_) | Self::Artifact(_) | Self::Contract(_) | Self::Undeclared => {
                 ExitCode::BadInput
             }
-            Self::Task(_) => ExitCode::Usage,
+            Self::Task(_) | Self::NoWorld { .. } => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),

@@ -219,7 +219,9 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             "--ask asks a person about one run: name one dataset, one preset and one seed",
         ));
     }
-    let at_a_time = Crew::of(names.len() * configs.len(), args.jobs).batches.get();
+    let at_a_time = Crew::of(names.len() * configs.len(), args.jobs)
+        .batches
+        .get();
     let mut tasks = Vec::new();
     for name in names {
         let path = dataset_path(name);

@@ -85,6 +85,7 @@ pub fn run_anywhere(
     if let Some(report) = finished(config)? {
         return Ok(report);
     }
+    check_room(config)?;
     match ToySource::of(config) {
         Some(mut toy) => run_on(config, &mut toy, audience),
         None => run(
@@ -205,6 +206,14 @@ fn run_on_disk(
         missing.len(),
         notes,
     ))
+}
+
+/// Whether there is memory and disk for what is missing of a dataset, before a simulator is installed for it.
+///
+/// # Errors
+/// When there is not, or the numbers make no sense.
+pub fn check_room(config: &CollectConfig) -> Result<(), CollectError> {
+    make_sure_of_room(Disk::REAL, &Plan::new(config)?)
 }
 
 /// Refuses episodes that there is no memory or no disk for.

@@ -29,7 +29,7 @@ pub(super) fn fly_again(
     }
     if !folder.file(EVALUATION).exists() {
         return Ok(Again::Nothing(
-            "the run has no evaluation.json: `ted eval` makes one",
+            "the run has no evaluation.json: `ted eval` makes one, if its logs are of a world that is known here",
         ));
     }
     let held: Evaluation = folder.read_json(EVALUATION)?;

@@ -213,7 +213,9 @@ pub enum DatasetError {
         limit: u64,
     },
     /// A dataset larger than the memory.
-    #[error("the dataset {id} takes about {needed} of memory, and {free} are free: end other programs, or make a smaller one of it")]
+    #[error(
+        "the dataset {id} takes about {needed} of memory, and {free} are free: end other programs, or make a smaller one of it"
+    )]
     NoMemory {
         /// The dataset's id.
         id: String,

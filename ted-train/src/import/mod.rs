@@ -352,3 +352,49 @@ impl Bar {
         self.shown = self.shown.max(now);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_disk_has_no_room_for_is_refused_before_anything_is_written() {
+        let root = tempfile::tempdir().unwrap();
+        let config = ImportConfig {
+            source: "logs.csv".into(),
+            options: Vec::new(),
+            robot: None,
+            clip: false,
+            id: "mine/logs-v0".parse().unwrap(),
+            root: root.path().to_path_buf(),
+        };
+        let robot = Robot::draft(6, &[[0.0, 1.0]; 2]);
+        let seen = Seen {
+            actions: Vec::new(),
+            episodes: (0..100).map(|it| (it, it.to_string(), 150_000)).collect(),
+            notes: Vec::new(),
+        };
+        let tight = Disk::with_free(|_| Some(500_000_000));
+        let error = make_sure_of_room(tight, &config, &robot, &seen).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.starts_with(
+                "importing 100 episodes needs about 617 MB on the disk, and 500 MB are free at "
+            ),
+            "{text}"
+        );
+        assert!(
+            text.contains(
+                "mine/logs-v0: free some, or name another place with MINARI_DATASETS_PATH"
+            ),
+            "{text}"
+        );
+        // Thirty of them are there already.
+        for episode in 0..30 {
+            let folder = root.path().join(format!("mine/logs-v0/data/{episode}"));
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(folder.join("metadata.json"), "{}").unwrap();
+        }
+        assert!(make_sure_of_room(tight, &config, &robot, &seen).is_ok());
+    }
+}

@@ -53,7 +53,10 @@ fn the_number_that_is_too_large_is_named_with_what_it_needs_and_the_largest_that
         let text = said(preset, field, value);
         let begins = format!("{field} is {value}, which needs about ");
         assert!(text.starts_with(&begins), "{field}: {text}");
-        assert!(text.contains("B of memory, and 17.2 GB are free: at most "), "{text}");
+        assert!(
+            text.contains("B of memory, and 17.2 GB are free: at most "),
+            "{text}"
+        );
         let most = text.rsplit_once("at most ").unwrap().1;
         let most: u64 = most.strip_suffix(" would do").unwrap().parse().unwrap();
         assert!(most < value, "{text}");
@@ -72,10 +75,7 @@ fn runs_side_by_side_need_as_much_as_all_of_them() {
 
 #[test]
 fn where_no_number_is_larger_than_usual_the_logs_are() {
-    let logs = Logs {
-        steps: 4e9,
-        ..LOGS
-    };
+    let logs = Logs { steps: 4e9, ..LOGS };
     let refused = check_within(16.0 * GIB, &logs, &Preset::True.config(), 1).unwrap_err();
     assert_eq!(
         refused.to_string(),
@@ -88,5 +88,8 @@ fn more_things_than_there_is_memory_for_are_refused_with_the_flag() {
     assert!(check_count("--episodes", 1000, 1e3).is_ok());
     let refused = check_count("--episodes", 4_000_000_000, 1e9).unwrap_err();
     let text = refused.to_string();
-    assert!(text.starts_with("--episodes is 4000000000, which needs about 4000 PB of memory"), "{text}");
+    assert!(
+        text.starts_with("--episodes is 4000000000, which needs about 4000 PB of memory"),
+        "{text}"
+    );
 }

@@ -190,6 +190,7 @@ impl QuickstartConfig {
 /// # Errors
 /// When a stage fails or is interrupted; what is complete is kept, and the same call goes on.
 pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, QuickstartError> {
+    collect::check_room(&config.collection(Recipe::Paper, config.episodes))?;
     stage(audience, 1, "set up the simulator");
     let environment = environment::ensure(audience)?;
 

@@ -3,4 +3,5 @@
 mod binaries;
 mod commands;
 mod metaworld;
+mod own_robot;
 mod toy;

@@ -39,7 +39,6 @@ pub(crate) fn foreign(path: &Path) -> Option<DatasetError> {
 mod tests {
     use std::fs;
 
-    use super::*;
     use crate::dataset::Dataset;
 
     #[test]
@@ -53,9 +52,24 @@ mod tests {
             ("logs.npz", "logs.npz", "a file of numpy's arrays", ""),
             ("logs.csv", "logs.csv", "a table", " --map map.toml"),
             ("logs.jsonl", "logs.jsonl", "a table", " --map map.toml"),
-            ("a.mcap", "a.mcap", "a recording of messages", " --map map.toml"),
-            ("bag/b.db3", "bag/b.db3", "a recording of messages", " --map map.toml"),
-            ("bag/metadata.yaml", "bag", "a rosbag2 recording", " --map map.toml"),
+            (
+                "a.mcap",
+                "a.mcap",
+                "a recording of messages",
+                " --map map.toml",
+            ),
+            (
+                "bag/b.db3",
+                "bag/b.db3",
+                "a recording of messages",
+                " --map map.toml",
+            ),
+            (
+                "bag/metadata.yaml",
+                "bag",
+                "a rosbag2 recording",
+                " --map map.toml",
+            ),
             ("lerobot/meta/info.json", "lerobot", "a LeRobot dataset", ""),
         ];
         for (file, named, what, options) in cases {
@@ -65,7 +79,9 @@ mod tests {
             let named = named.display();
             assert_eq!(
                 said,
-                format!("{named} is {what}, and no dataset yet: `ted import {named}{options}` makes one of it")
+                format!(
+                    "{named} is {what}, and no dataset yet: `ted import {named}{options}` makes one of it"
+                )
             );
         }
         fs::write(place.path().join("logs.txt"), "").unwrap();

@@ -169,7 +169,12 @@ fn episode_metadata(data: &Path, total: u32) -> Result<Vec<EpisodeMetadata>, Dat
 }
 
 /// All of it is in memory at once: two rows of single precision, a reward in both precisions, a return, and flags.
-fn refuse_without_memory(id: &str, steps: usize, shape: Shape, free: f64) -> Result<(), DatasetError> {
+fn refuse_without_memory(
+    id: &str,
+    steps: usize,
+    shape: Shape,
+    free: f64,
+) -> Result<(), DatasetError> {
     let row = 4 * (shape.observation + shape.action) + 24;
     let needed = steps as f64 * row as f64;
     if needed <= free {

@@ -43,16 +43,23 @@ impl Room {
         episodes: u64,
         steps: u64,
     ) -> Result<(), WriteError> {
-        let way_out = "free some, or name another place with MINARI_DATASETS_PATH; what is complete is kept";
+        let way_out =
+            "free some, or name another place with MINARI_DATASETS_PATH; what is complete is kept";
         disk.require(folder, self.bytes(episodes, steps), what, way_out)
     }
 }
 
 /// How many episodes the dataset at `folder` has on the disk already.
 pub(crate) fn begun_episodes(folder: &Path) -> u32 {
-    let entries = fs::read_dir(folder.join(DATA)).into_iter().flatten().flatten();
+    let entries = fs::read_dir(folder.join(DATA))
+        .into_iter()
+        .flatten()
+        .flatten();
     let whole = entries.filter(|entry| {
-        let number = entry.file_name().to_str().is_some_and(|it| it.parse::<u32>().is_ok());
+        let number = entry
+            .file_name()
+            .to_str()
+            .is_some_and(|it| it.parse::<u32>().is_ok());
         number && entry.path().join(METADATA).exists()
     });
     u32::try_from(whole.count()).unwrap_or(u32::MAX)
