@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 const LENGTHS: [usize; 4] = [6, 4, 5, 7];
 
-fn origin() -> Origin {
+pub(super) fn origin() -> Origin {
     Origin {
         task: "drawer-open-v3".into(),
         recipe: "paper".into(),
