@@ -149,9 +149,10 @@ impl Ends for TrainError {
             | Self::NotFinished { .. }
             | Self::NotForControllers { .. } => ExitCode::BadInput,
             Self::Export(error) => error.exit_code(),
-            Self::Backend(_) | Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => {
-                ExitCode::Failure
-            }
+            Self::Backend(_)
+            | Self::Learn(LearnError::Diverged { .. })
+            | Self::RewardsOverflow
+            | Self::Diverged { .. } => ExitCode::Failure,
         }
     }
 }

@@ -74,6 +74,12 @@ pub enum TrainError {
     /// The export.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// Rewards that nothing can be learned from.
+    #[error(
+        "the rewards that were made for the transitions are not finite: a step size of the reward, or a number that it is multiplied by, \
+         is too large"
+    )]
+    RewardsOverflow,
     /// A loss is no longer a number.
     #[error(
         "the {metric} is not finite after {step} updates: the learning rate or the rewards are too large"
