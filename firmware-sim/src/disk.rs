@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::exit::ExitCode;
+use crate::size::Size;
 
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -18,6 +19,20 @@ pub enum WriteError {
         path: PathBuf,
         /// What the system said.
         source: io::Error,
+    },
+    /// Less space than will be needed.
+    #[error("{what} needs about {needed} on the disk, and {free} are free at {path}: {way_out}")]
+    NoRoom {
+        /// What is to be written.
+        what: String,
+        /// Where to.
+        path: PathBuf,
+        /// What it takes.
+        needed: Size,
+        /// What there is.
+        free: Size,
+        /// What to do about it.
+        way_out: &'static str,
     },
     /// Any other failure of the file system.
     #[error("cannot write {path}: {source}; make its folder writable, or choose another place")]
@@ -62,29 +77,63 @@ impl WriteError {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Self::DiskFull { .. } | Self::Io { .. } => ExitCode::Storage,
+            Self::DiskFull { .. } | Self::NoRoom { .. } | Self::Io { .. } => ExitCode::Storage,
             Self::Busy { .. } => ExitCode::Busy,
             Self::Different { .. } => ExitCode::BadInput,
         }
     }
 }
 
-/// The file system, with the one operation that a test makes fail.
+/// The file system, with the two operations that tests replace.
 #[derive(Clone, Copy, Debug)]
 pub struct Disk {
     create: fn(&Path) -> io::Result<File>,
+    free: fn(&Path) -> Option<u64>,
 }
 
 impl Disk {
     /// The one that is there.
     pub const REAL: Self = Self {
         create: |path| File::create(path),
+        free: free_space,
     };
 
     /// One that opens files for writing in another way: how a test fills it up.
     #[must_use]
     pub fn with_create(create: fn(&Path) -> io::Result<File>) -> Self {
-        Self { create }
+        Self {
+            create,
+            ..Self::REAL
+        }
+    }
+
+    /// One that has so many bytes left.
+    #[must_use]
+    pub fn with_free(free: fn(&Path) -> Option<u64>) -> Self {
+        Self { free, ..Self::REAL }
+    }
+
+    /// Refuses to begin what would not fit. Where the system does not say what is free, everything is begun.
+    ///
+    /// # Errors
+    /// [`WriteError::NoRoom`] when `needed` bytes are more than there are where `path` is or will be.
+    pub fn require(
+        self,
+        path: &Path,
+        needed: f64,
+        what: &str,
+        way_out: &'static str,
+    ) -> Result<(), WriteError> {
+        match (self.free)(path) {
+            Some(free) if needed > free as f64 => Err(WriteError::NoRoom {
+                what: what.to_owned(),
+                path: path.to_path_buf(),
+                needed: Size(needed),
+                free: Size(free as f64),
+                way_out,
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Writes a file and waits until it is on the disk.
@@ -119,6 +168,15 @@ impl Disk {
                 let _ = fs::remove_file(&temporary);
             })
     }
+}
+
+/// Bytes that this user may still write where `path` is or will be; none where the system does not say.
+#[must_use]
+pub fn free_space(path: &Path) -> Option<u64> {
+    let path = std::path::absolute(path).ok()?;
+    let there = path.ancestors().find(|path| path.exists())?;
+    let disk = rustix::fs::statvfs(there).ok()?;
+    disk.f_bavail.checked_mul(disk.f_frsize)
 }
 
 /// Renames inside one folder and waits until the new name is on the disk.
@@ -185,4 +243,33 @@ pub fn lock(folder: &Path) -> Result<File, WriteError> {
 /// As [`Disk::replace`].
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     Disk::REAL.replace(path, bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_not_fit_is_refused_with_how_much_where_and_the_way_out() {
+        let disk = Disk::with_free(|_| Some(3_000_000));
+        let place = Path::new("/data/mine");
+        let begin = |bytes| disk.require(place, bytes, "recording it", "free some");
+        assert!(begin(3_000_000.0).is_ok());
+        let refused = begin(3_000_001.0).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "recording it needs about 3.0 MB on the disk, and 3.0 MB are free at /data/mine: free some"
+        );
+        assert_eq!(refused.exit_code(), ExitCode::Storage);
+        // Where nobody says how much there is, it is tried.
+        let unknown = Disk::with_free(|_| None);
+        assert!(unknown.require(place, 1e300, "it", "").is_ok());
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_yet_has_the_space_of_the_one_that_will_hold_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let free = free_space(&folder.path().join("not/there"));
+        assert!(free.is_some_and(|bytes| bytes > 0), "{free:?}");
+    }
 }

@@ -10,6 +10,8 @@ pub mod bridge;
 #[cfg(feature = "std")]
 pub mod cli;
 pub mod controller;
+#[cfg(feature = "std")]
+pub mod counts;
 pub mod device;
 #[cfg(feature = "std")]
 pub mod disk;
@@ -21,6 +23,8 @@ pub mod failure;
 pub mod interrupt;
 #[cfg(feature = "std")]
 pub mod last_words;
+#[cfg(feature = "std")]
+pub mod memory;
 #[cfg(feature = "std")]
 pub mod output;
 #[cfg(feature = "std")]
@@ -44,6 +48,8 @@ pub mod scorer;
 pub mod scoring;
 #[cfg(feature = "std")]
 pub mod serial;
+#[cfg(feature = "std")]
+pub mod size;
 #[cfg(feature = "std")]
 mod splitmix;
 #[cfg(feature = "std")]

@@ -258,3 +258,19 @@ fn help_shows_an_example() {
         );
     }
 }
+
+#[test]
+fn more_than_a_machine_could_do_is_refused_before_anything_is_begun() {
+    let folder = folder_with_toy();
+    let fly = ["fly", "toy.ted", "--plant", "toy"];
+    for (flag, range) in [("--episodes", "1..=1000000"), ("--workers", "1..=1024")] {
+        for number in ["4000000000", "0", "-1"] {
+            let flag_and_number = format!("{flag}={number}");
+            let (_, told) = run(folder.path(), 2, &[&fly[..], &[&flag_and_number]].concat());
+            assert!(told.contains(&format!("is not in {range}")), "{told}");
+        }
+    }
+    let record = ["--episodes", "1000000", "--record", "flight.json"];
+    let (_, told) = run(folder.path(), 2, &[&fly[..], &record].concat());
+    assert!(told.contains("at most 10000 episodes"), "{told}");
+}

@@ -39,7 +39,7 @@ class Bag(MappedTable):
         if self._map is None:
             topics = ", ".join(sorted(self._bag.topics))
             raise Fault(
-                f"what the topics mean is not said: {topics}", "say it in a map: --map map.toml, as README.md describes it; --describe prints fields"
+                f"what the topics mean is not said: {topics}", "say it in a map: --map map.toml, as docs/import.md describes it; --describe prints fields"
             )
         return super().header()
 

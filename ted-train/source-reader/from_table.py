@@ -37,7 +37,7 @@ class MappedTable:
     def header(self):
         if self._map is None:
             raise Fault(
-                f"what the columns mean is not said: {', '.join(self._table.widths)}", "say it in a map: --map map.toml, as README.md describes it"
+                f"what the columns mean is not said: {', '.join(self._table.widths)}", "say it in a map: --map map.toml, as docs/import.md describes it"
             )
         self._map.only(self._name, *self._allowed)
         observation = self._resolve("observation", "columns")

@@ -144,6 +144,15 @@ pub enum EvaluateError {
     /// The simulator has no such task.
     #[error(transparent)]
     Task(#[from] TaskError),
+    /// Its logs are of no world that is known here.
+    #[error(
+        "the policy was learned from logs of {task:?}, which is no world that is known here: fly it in one of your own with --world FILE, \
+         which docs/own-world.md explains, or show it the logs with --replay"
+    )]
+    NoWorld {
+        /// What the logs are of.
+        task: String,
+    },
     /// There is no simulator.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -251,7 +260,9 @@ fn fly_all<Q: Pilot>(
     }
     let world = match world {
         Some(world) => world,
-        None => World::of_task(origin.task)?,
+        None => World::of_task(origin.task).map_err(|_| EvaluateError::NoWorld {
+            task: origin.task.to_owned(),
+        })?,
     };
     let task = world.task();
     let world = world.ready(engine, audience)?;

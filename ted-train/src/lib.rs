@@ -20,6 +20,7 @@ pub mod filter;
 pub mod fleet;
 pub mod import;
 pub mod inspect;
+pub mod need;
 pub mod nn;
 pub mod preferences;
 mod protobuf;

@@ -12,12 +12,14 @@ pub(crate) fn ranking(returns: &[f64]) -> Vec<usize> {
 /// The place of each value among all, 0 for the highest, ties sharing their mean place.
 pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     let order = ranking(values);
+    // What is no number ties with itself, too.
+    let equal = |i: usize, j: usize| (values[i] + 0.0).total_cmp(&(values[j] + 0.0)).is_eq();
     let mut ranks = vec![0.0; values.len()];
     let mut start = 0;
     while start < order.len() {
         let tied = order[start..]
             .iter()
-            .take_while(|&&i| values[i] == values[order[start]])
+            .take_while(|&&i| equal(i, order[start]))
             .count();
         for &i in &order[start..start + tied] {
             ranks[i] = start as f64 + (tied as f64 - 1.0) / 2.0;
@@ -44,6 +46,8 @@ mod tests {
     #[test]
     fn equal_values_share_their_mean_place() {
         assert_eq!(ranks(&[2.0, 5.0, 2.0, 1.0]), [1.5, 0.0, 1.5, 3.0]);
+        assert_eq!(ranks(&[0.0, 5.0, -0.0]), [1.5, 0.0, 1.5]);
+        assert_eq!(ranks(&[f64::NAN, 1.0, f64::NAN]), [0.5, 2.0, 0.5]);
     }
 
     #[test]

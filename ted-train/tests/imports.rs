@@ -23,6 +23,8 @@ fn ted(home: &Path, arguments: &[&str]) -> Output {
         .arg("--quiet")
         .current_dir(home)
         .env("MINARI_DATASETS_PATH", home.join("data"))
+        // Of other Python programs of the person's: nothing to the reader.
+        .env("PYTHONHOME", "/nowhere")
         .env(
             "TED_READER_VENV",
             Path::new(env!("CARGO_TARGET_TMPDIR")).join("reader"),

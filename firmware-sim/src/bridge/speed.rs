@@ -2,11 +2,11 @@
 
 use std::io::Read;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::environment::Environment;
+use super::environment::{Environment, call};
 use super::error::BridgeError;
 use super::worker::{Worker, settings};
 use crate::interrupt;
@@ -94,7 +94,7 @@ fn without_bridge(
         python: environment.python().to_owned(),
         source,
     };
-    let mut child = settings(&mut Command::new(environment.python()))
+    let mut child = settings(&mut call(environment.python()))
         .arg("-Es")
         .arg(environment.worker().with_file_name(SCRIPT))
         .args([task, &steps.to_string(), environment.engine().name()])

@@ -389,9 +389,8 @@ impl Drop for Worker {
 }
 
 fn command(environment: &Environment) -> Command {
-    let mut command = Command::new(environment.python());
+    let mut command = environment.command();
     settings(&mut command)
-        .args(environment.arguments())
         .current_dir(environment.scratch())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -10,6 +10,7 @@ use super::flights::Crew;
 use super::report::Report;
 use super::seat::SeatArgs;
 use crate::bridge::Engine;
+use crate::counts::{EPISODES, at_a_time};
 use crate::device::message::Refusal;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
@@ -50,7 +51,7 @@ pub struct FlyArgs {
     #[arg(long, value_name = "FILE|gym:ID", conflicts_with_all = ["task", "plant"])]
     pub world: Option<OwnWorld>,
     /// How many episodes
-    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(EPISODES))]
     pub episodes: u32,
     /// The root seed that the episodes' seeds are derived from
     #[arg(long, default_value_t = 0)]
@@ -59,7 +60,7 @@ pub struct FlyArgs {
     #[arg(long, value_enum, default_value_t)]
     pub engine: Engine,
     /// How many simulators side by side; all cores if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     pub workers: Option<NonZeroUsize>,
     /// What to fly
     #[arg(long, value_enum, default_value_t = PlantKind::World)]
@@ -78,6 +79,9 @@ pub struct FlyArgs {
     #[command(flatten)]
     pub output: OutputArgs,
 }
+
+/// Episodes that a recording may have: a gigabyte or two of Meta-World.
+const MOST_RECORDED: u32 = 10_000;
 
 /// The plants that can be flown from the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -149,6 +153,12 @@ fn check(args: &FlyArgs) -> Result<(), Failure> {
         return usage("--task names a task of a world: leave it out, or fly --plant world");
     }
     match &args.record {
+        Some(_) if args.episodes > MOST_RECORDED => Err(Failure::new(
+            ExitCode::Usage,
+            format_args!(
+                "--record keeps all of a flight in memory: at most {MOST_RECORDED} episodes, or leave it out"
+            ),
+        )),
         Some(path) => {
             disk::check_writable(path).map_err(|error| Failure::new(error.exit_code(), error))
         }

@@ -86,6 +86,8 @@ pub struct Collection {
     pub reward: &'static str,
     /// Whether actions can be pushed and can drift.
     pub pushes: bool,
+    /// Numbers at most that are recorded of a step beside what a policy is learned from: the state of the simulator.
+    pub infos: usize,
 }
 
 /// A task of a world that this program knows.

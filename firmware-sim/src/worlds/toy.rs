@@ -40,6 +40,7 @@ impl Kind for Toy {
             scene: None,
             reward: "toy",
             pushes: false,
+            infos: 0,
         })
     }
 }

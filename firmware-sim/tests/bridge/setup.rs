@@ -1,22 +1,23 @@
 //! Setting up the environment when it cannot work: named errors, and nothing of anyone else's is touched.
 
 use std::env;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use firmware_sim::bridge::Worker;
 use firmware_sim::bridge::environment::{
     PYTHON_VARIABLE, VENV_VARIABLE, diagnose, ensure, location,
 };
+use firmware_sim::bridge::{Environment, Worker};
 use firmware_sim::progress::Audience;
 
 use crate::fake::{bridge, python};
 
 const PART: &str = "TED_TEST_SETUP_PART";
+const FOLDER: &str = "TED_TEST_FOLDER";
 
 /// Not a test of its own: environment variables belong to a whole process, so the tests below start one each.
 #[test]
@@ -39,6 +40,17 @@ fn sets_up_when_a_test_asks_for_it() {
             let environment = ensure(Audience::Nobody).expect("it looks complete");
             let error = Worker::spawn(&environment).expect_err("it is broken");
             eprintln!("failed to {error}");
+        }
+        Ok("python") => {
+            let folder = env::var_os(FOLDER).expect("it is named");
+            let folder = Path::new(&folder);
+            let ours = Environment::custom(&python(), &folder.join("worker.py"), folder);
+            let world = OsString::from("world.py");
+            let own = Environment::own(&world, folder).expect("its worker is written");
+            for (whose, environment) in [("ours", ours), ("own", own)] {
+                let error = Worker::spawn(&environment).expect_err("none is a worker");
+                eprintln!("{whose}: {error}");
+            }
         }
         Ok("diagnose") => {
             for check in diagnose() {
@@ -169,6 +181,45 @@ fn an_environment_broken_after_its_installation_is_named_to_be_deleted() {
             "{words}"
         );
     }
+}
+
+/// What a person sets for Python programs of their own breaks others: `-E` keeps it from ours, and not from the processes that ours
+/// start, as the simulator's libraries do.
+#[test]
+fn python_s_variables_reach_a_world_of_one_s_own_and_nothing_of_ours() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let worker = "import subprocess, sys\n\
+        named = 'import os, sys; sys.exit(repr([it for it in os.environ if it.startswith(\"PYTHON\")]))'\n\
+        ended = subprocess.run([sys.executable, '-c', named], stderr=subprocess.PIPE, text=True)\n\
+        sys.exit(f'its child sees {ended.stderr}')\n";
+    fs::write(path.join("worker.py"), worker).expect("it is written");
+    fs::create_dir(path.join("packages")).expect("a folder");
+    fs::write(
+        path.join("packages/mine.py"),
+        "said = 'a package of my own'\n",
+    )
+    .expect("it is written");
+    fs::write(
+        path.join("world.py"),
+        "import mine\nraise RuntimeError(mine.said)\n",
+    )
+    .expect("it is written");
+    let with = |name: &str, value: &OsStr| {
+        let output = command("python", &path.join("venv"), python())
+            .env(FOLDER, path)
+            .env(name, value)
+            .output()
+            .expect("the process runs");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let words = with("PYTHONHOME", OsStr::new("/nowhere"));
+    let (ours, _) = words.split_once("own: ").expect("both were tried");
+    assert!(ours.contains("its child sees []"), "{words}");
+    let words = with("PYTHONPATH", path.join("packages").as_os_str());
+    let (ours, own) = words.split_once("own: ").expect("both were tried");
+    assert!(ours.contains("its child sees []"), "{words}");
+    assert!(own.contains("a package of my own"), "{words}");
 }
 
 #[test]

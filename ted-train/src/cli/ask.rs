@@ -40,7 +40,7 @@ pub(super) struct AskArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     answers: Option<u32>,
     /// Root of all randomness; 0 if not given
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// One field of the run's configuration, key=value; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]

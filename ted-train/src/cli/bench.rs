@@ -23,13 +23,13 @@ Run it on an idle machine. What is compared is measured in turn; medians count, 
 #[command(after_help = EXAMPLES)]
 pub(super) struct BenchArgs {
     /// Updates of the learner in one repetition
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
     /// Repetitions
-    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(5..))]
+    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(5..=10_000))]
     repetitions: u32,
     /// Steps of the simulator in one of its five rounds; 0 leaves the simulator out
-    #[arg(long, default_value_t = 2000)]
+    #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u32).range(..=100_000_000))]
     simulator_steps: u32,
     /// The task that is simulated
     #[arg(long, default_value = "drawer-open-v3")]

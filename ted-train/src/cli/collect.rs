@@ -6,6 +6,7 @@ use std::thread;
 
 use clap::Args;
 use firmware_sim::bridge::Engine;
+use firmware_sim::counts::at_a_time;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -53,7 +54,7 @@ pub(super) struct CollectArgs {
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
     /// Simulator processes; all cores if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     workers: Option<NonZeroUsize>,
     /// Folder of the datasets; $MINARI_DATASETS_PATH or ~/.minari/datasets if not given
     #[arg(long)]

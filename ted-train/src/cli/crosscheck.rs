@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::counts::at_a_time;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -39,7 +40,7 @@ pub(super) struct CrosscheckArgs {
     #[arg(long)]
     dataset: Option<String>,
     /// Simulator processes; all cores if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     workers: Option<NonZeroUsize>,
     #[command(flatten)]
     output: OutputArgs,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use firmware_sim::bridge::Engine;
 use firmware_sim::controller::Numeric;
+use firmware_sim::counts::{EPISODES, at_a_time};
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -40,7 +41,7 @@ pub(super) struct EvalArgs {
     /// The run's folder
     run: PathBuf,
     /// How many episodes
-    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(EPISODES))]
     episodes: u32,
     /// Root of the episodes' seeds; the run's seed if not given
     #[arg(long)]
@@ -58,7 +59,7 @@ pub(super) struct EvalArgs {
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
     /// Simulator processes; all cores if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     workers: Option<NonZeroUsize>,
     /// Show the recorded observations of the run's dataset to the controller instead of flying: how far its actions are from
     /// the recorded ones, whether it would have stopped, and how many episodes it puts in the top k %. Needs no simulator

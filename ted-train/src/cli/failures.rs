@@ -16,6 +16,7 @@ use crate::export::ExportError;
 use crate::fleet::{FleetError, LaneError};
 use crate::import::ImportError;
 use crate::inspect::InspectError;
+use crate::need::TooMuch;
 use crate::preferences::PreferenceError;
 use crate::quickstart::QuickstartError;
 use crate::replay::ReplayDatasetError;
@@ -57,6 +58,12 @@ impl Ends for SetupError {
 impl Ends for ConfigError {
     fn exit_code(&self) -> ExitCode {
         ExitCode::BadInput
+    }
+}
+
+impl Ends for TooMuch {
+    fn exit_code(&self) -> ExitCode {
+        ExitCode::Usage
     }
 }
 
@@ -127,6 +134,7 @@ impl Ends for TrainError {
             Self::Learn(LearnError::Interrupted)
             | Self::Transport(TransportError::Interrupted)
             | Self::Interrupted { .. } => ExitCode::Interrupted,
+            Self::TooMuch(_) => ExitCode::Usage,
             Self::Run(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),
             Self::Learn(LearnError::Preference(error)) => error.exit_code(),
@@ -141,9 +149,10 @@ impl Ends for TrainError {
             | Self::NotFinished { .. }
             | Self::NotForControllers { .. } => ExitCode::BadInput,
             Self::Export(error) => error.exit_code(),
-            Self::Backend(_) | Self::Learn(LearnError::Diverged { .. }) | Self::Diverged { .. } => {
-                ExitCode::Failure
-            }
+            Self::Backend(_)
+            | Self::Learn(LearnError::Diverged { .. })
+            | Self::RewardsOverflow
+            | Self::Diverged { .. } => ExitCode::Failure,
         }
     }
 }
@@ -154,7 +163,7 @@ impl Ends for EvaluateError {
             Self::Load(_) | Self::Artifact(_) | Self::Contract(_) | Self::Undeclared => {
                 ExitCode::BadInput
             }
-            Self::Task(_) => ExitCode::Usage,
+            Self::Task(_) | Self::NoWorld { .. } => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Fly(error) => error.exit_code(),
             Self::Write(error) => error.exit_code(),

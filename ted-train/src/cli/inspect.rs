@@ -8,6 +8,7 @@ use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 use ted_policy::SafeAction;
 
+use crate::check::short;
 use crate::dataset::Dataset;
 use crate::inspect::{
     ArtefactText, DatasetText, Inspection, LookText, NetworkText, RunText, inspect, look,
@@ -235,7 +236,7 @@ fn observation_table(artefact: &ArtefactText) -> String {
             channel.name.clone(),
             channel.unit.clone(),
         ];
-        cells.extend(numbers.map(|number| format!("{number:.4}")));
+        cells.extend(numbers.map(short));
         table.row(cells);
     }
     table.text()

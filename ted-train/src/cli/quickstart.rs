@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::counts::at_a_time;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -57,13 +58,13 @@ pub(super) struct QuickstartArgs {
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..))]
     episodes: u32,
     /// Updates of the policy, and of the clone of the same logs that flies beside it
-    #[arg(long, default_value_t = 8_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 8_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     steps: u64,
     /// Root of all randomness
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
     /// Simulator processes; all cores if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     workers: Option<NonZeroUsize>,
     /// Answer the questions yourself, on a web page of this machine
     #[arg(long)]

@@ -5,12 +5,14 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::counts::at_a_time;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
 
 use crate::config::Overrides;
 use crate::fleet::{self, Crew, Datasets, Lane, introduce};
+use crate::need;
 use crate::run::RunFolder;
 use crate::train::{Watch, check, check_teacher};
 
@@ -63,7 +65,7 @@ pub(super) struct TrainArgs {
     #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true)]
     preset: Vec<PresetArg>,
     /// Root of all randomness; that of --config, or 0, if not given
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Several of them, 0..6 for 0 to 5 or a list
     #[arg(long, conflicts_with = "seed")]
@@ -90,10 +92,10 @@ pub(super) struct TrainArgs {
     #[command(flatten)]
     door: DoorArgs,
     /// Simulator processes for the evaluation of a single run; all cores if not given
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     workers: Option<NonZeroUsize>,
     /// Runs of a fleet at a time; one for each core if not given. Changes nothing but the time
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     output: OutputArgs,
@@ -217,12 +219,16 @@ fn plan(args: &TrainArgs, datasets: &Datasets) -> Result<Vec<Lane>, Failure> {
             "--ask asks a person about one run: name one dataset, one preset and one seed",
         ));
     }
+    let at_a_time = Crew::of(names.len() * configs.len(), args.jobs)
+        .batches
+        .get();
     let mut tasks = Vec::new();
     for name in names {
         let path = dataset_path(name);
         let dataset = datasets.open(&path).map_err(|it| no_dataset(name, it))?;
         for config in &configs {
             check(&dataset, config).map_err(end)?;
+            need::check(&dataset, config, at_a_time).map_err(end)?;
             if !answered {
                 check_teacher(&dataset, config).map_err(end)?;
             }

@@ -3,6 +3,7 @@
 use super::Recipe;
 use crate::dataset::DatasetError;
 use crate::dataset::minari::EpisodeError;
+use crate::need::TooMuch;
 use firmware_sim::bridge::BridgeError;
 use firmware_sim::bridge::environment::SetupError;
 use firmware_sim::disk::WriteError;
@@ -58,6 +59,9 @@ pub enum CollectError {
         /// The recipe.
         recipe: Recipe,
     },
+    /// More than the machine has memory for.
+    #[error(transparent)]
+    TooMuch(#[from] TooMuch),
     /// There is no simulator.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -93,6 +97,7 @@ impl CollectError {
             | Self::TooManyGood { .. }
             | Self::NoScript { .. }
             | Self::NoPush { .. }
+            | Self::TooMuch(_)
             | Self::NoGoodPart { .. } => ExitCode::Usage,
             Self::Setup(error) => error.exit_code(),
             Self::Bridge(error) => error.exit_code(),

@@ -17,8 +17,11 @@ pub use report::{CollectReport, PartReport};
 pub use source::{BridgeSource, EpisodeSource};
 pub use toy::ToySource;
 
-use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin};
+use crate::dataset::Shape;
+use crate::dataset::minari::{self, DatasetId, DatasetWriter, EpisodeNote, Origin, Room};
+use crate::need;
 use firmware_sim::bridge::{Engine, Environment};
+use firmware_sim::disk::Disk;
 use firmware_sim::interrupt;
 use firmware_sim::progress::Audience;
 use firmware_sim::worlds::World;
@@ -83,6 +86,7 @@ pub fn run_anywhere(
     if let Some(report) = finished(config)? {
         return Ok(report);
     }
+    check_room(config)?;
     if let Some(mut toy) = ToySource::of(config) {
         return run_on(config, &mut toy, audience);
     }
@@ -132,10 +136,20 @@ pub fn run_on(
     source: &mut dyn EpisodeSource,
     audience: Audience,
 ) -> Result<CollectReport, CollectError> {
+    run_on_disk(Disk::REAL, config, source, audience)
+}
+
+fn run_on_disk(
+    disk: Disk,
+    config: &CollectConfig,
+    source: &mut dyn EpisodeSource,
+    audience: Audience,
+) -> Result<CollectReport, CollectError> {
     if let Some(report) = finished(config)? {
         return Ok(report);
     }
     let plan = Plan::new(config)?;
+    make_sure_of_room(disk, &plan)?;
     let total = plan.total;
     let origin = plan.origin(&source.versions()?);
     let writer = DatasetWriter::open(&config.root, plan.id.clone(), origin, plan.robot())?;
@@ -193,6 +207,30 @@ pub fn run_on(
         missing.len(),
         notes,
     ))
+}
+
+/// Whether there is memory and disk for what is missing of a dataset, before a simulator is installed for it.
+///
+/// # Errors
+/// When there is not, or the numbers make no sense.
+pub fn check_room(config: &CollectConfig) -> Result<(), CollectError> {
+    make_sure_of_room(Disk::REAL, &Plan::new(config)?)
+}
+
+/// Refuses episodes that there is no memory or no disk for.
+fn make_sure_of_room(disk: Disk, plan: &Plan<'_>) -> Result<(), CollectError> {
+    /// What is kept in memory of an episode: its job and its note, with their texts.
+    const KEPT: f64 = 1024.0;
+    need::check_count("--episodes", plan.total.into(), KEPT)?;
+    let steps = plan.job(0).steps;
+    let room = Room {
+        shape: Shape::of(&plan.robot()),
+        infos: plan.collection.infos,
+    };
+    let missing = plan.total - minari::begun_episodes(&plan.folder()).min(plan.total);
+    let steps = u64::from(steps) * u64::from(missing);
+    let what = format!("recording {missing} episodes");
+    Ok(room.require(disk, &plan.folder(), &what, missing.into(), steps)?)
 }
 
 #[cfg(test)]

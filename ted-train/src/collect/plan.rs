@@ -16,7 +16,7 @@ const HIDDEN: &str = "hidden, one of two that take turns";
 pub(super) struct Plan<'a> {
     config: &'a CollectConfig,
     pub task: Task,
-    collection: Collection,
+    pub collection: Collection,
     pub id: DatasetId,
     /// How many episodes.
     pub total: u32,

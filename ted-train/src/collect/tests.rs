@@ -416,3 +416,66 @@ fn the_toy_is_collected_without_a_simulator_and_the_same_again() {
     assert!(matches!(error, Some(CollectError::NotTheToy { .. })));
     assert!(ToySource::of(&config(one.path())).is_none());
 }
+
+#[test]
+fn episodes_that_the_disk_has_no_room_for_are_refused_before_any_is_played() {
+    let root = tempfile::tempdir().unwrap();
+    let mut source = Arithmetic::new();
+    let tight = Disk::with_free(|_| Some(5_000_000));
+    let run = |disk, source: &mut Arithmetic| {
+        run_on_disk(disk, &config(root.path()), source, Audience::Nobody)
+    };
+    let error = run(tight, &mut source).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.starts_with(
+            "recording 30 episodes needs about 10.9 MB on the disk, and 5.0 MB are free at "
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains("drawer-open-v3-paper-n30-s7-v0: free some, or name another place"),
+        "{text}"
+    );
+    assert_eq!(error.exit_code(), firmware_sim::exit::ExitCode::Storage);
+    assert!(source.played.is_empty());
+    assert_eq!(
+        fs::read_dir(root.path()).unwrap().count(),
+        0,
+        "nothing was begun"
+    );
+
+    // What is there already needs no room.
+    let mut source = Arithmetic {
+        stop_after: 20,
+        ..source
+    };
+    let stopped = run(Disk::REAL, &mut source).unwrap_err();
+    assert!(
+        matches!(stopped, CollectError::Interrupted { done: 20, .. }),
+        "{stopped}"
+    );
+    assert_eq!(run(tight, &mut Arithmetic::new()).unwrap().collected, 10);
+}
+
+#[test]
+fn episodes_that_there_is_no_memory_for_are_refused_before_any_is_played() {
+    let root = tempfile::tempdir().unwrap();
+    let mut source = Arithmetic::new();
+    let many = CollectConfig {
+        episodes: Some(u32::MAX),
+        ..config(root.path())
+    };
+    let error = run_on(&many, &mut source, Audience::Nobody).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.starts_with("--episodes is 4294967295, which needs about 4.4 TB of memory"),
+        "{text}"
+    );
+    assert_eq!(error.exit_code(), firmware_sim::exit::ExitCode::Usage);
+    assert_eq!(
+        fs::read_dir(root.path()).unwrap().count(),
+        0,
+        "nothing was begun"
+    );
+}

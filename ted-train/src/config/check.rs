@@ -5,6 +5,8 @@ mod algorithms;
 mod rewards;
 mod teacher;
 
+use firmware_sim::counts::EPISODES;
+
 use crate::algorithm::{AlgorithmConfig, ObservationScaling};
 use crate::filter::FilterConfig;
 use crate::ted::DiscountConfig;
@@ -27,11 +29,13 @@ impl Config {
         let Schedule {
             log_every,
             checkpoint_every,
-            ..
+            evaluation_episodes,
         } = self.schedule;
         let schedule = Table("schedule");
         schedule.at_least_one("log_every", log_every as f64)?;
         schedule.at_least_one("checkpoint_every", checkpoint_every as f64)?;
+        let most = *EPISODES.end() as f64;
+        schedule.at_most("evaluation_episodes", evaluation_episodes.into(), most)?;
         teacher::teacher(self)
     }
 

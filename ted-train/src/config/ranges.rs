@@ -25,6 +25,21 @@ impl Table {
         self.within(field, value, value >= 1.0, "at least 1")
     }
 
+    /// How often something is done that takes time and no memory: more is a slip of the finger.
+    pub(super) fn repeated(self, field: &str, value: f64) -> Result<(), ConfigError> {
+        self.at_least_one(field, value)?;
+        self.at_most(field, value, 1e9)
+    }
+
+    /// How many answers somebody is asked for.
+    pub(super) fn answers(self, field: &str, value: f64) -> Result<(), ConfigError> {
+        self.at_most(field, value, 1e5)
+    }
+
+    pub(super) fn at_most(self, field: &str, value: f64, most: f64) -> Result<(), ConfigError> {
+        self.within(field, value, value <= most, &format!("at most {most}"))
+    }
+
     /// A number such as a rate of decay.
     pub(super) fn below_one(self, field: &str, value: f64) -> Result<(), ConfigError> {
         self.within(field, value, (0.0..1.0).contains(&value), "in [0, 1)")

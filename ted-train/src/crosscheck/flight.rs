@@ -28,7 +28,7 @@ pub(super) fn fly_again(
     }
     if !folder.file(EVALUATION).exists() {
         return Ok(Again::Nothing(
-            "the run has no evaluation.json: `ted eval` makes one",
+            "the run has no evaluation.json: `ted eval` makes one, with --world where its logs are of no world that is known here",
         ));
     }
     let held: Evaluation = folder.read_json(EVALUATION)?;

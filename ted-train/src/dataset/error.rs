@@ -2,6 +2,7 @@
 
 use super::Shape;
 use firmware_sim::robot::{Robot, RobotError};
+use firmware_sim::size::Size;
 use std::io;
 use std::path::PathBuf;
 
@@ -13,6 +14,16 @@ pub enum DatasetError {
     NotFound {
         /// Where it was looked for.
         path: PathBuf,
+    },
+    /// Logs of another program.
+    #[error("{path} is {what}, and no dataset yet: `ted import {path}{options}` makes one of it")]
+    NotImported {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+        /// What the command needs besides.
+        options: &'static str,
     },
     /// A folder without `metadata.json`.
     #[error(
@@ -43,8 +54,7 @@ pub enum DatasetError {
     },
     /// A storage format this reader does not know.
     #[error(
-        "{path} is stored as {format}, and only arrow is read; convert it with the minari package: \
-         MinariStorage.new(..., data_format=\"arrow\").update_from_storage(MinariStorage.read(...))"
+        "{path} is stored as {format}, and only arrow is read as it is: `ted import {path}` makes such a dataset of it"
     )]
     Format {
         /// The data folder.
@@ -54,7 +64,8 @@ pub enum DatasetError {
     },
     /// An observation or action space that is not a flat box.
     #[error(
-        "{space} of {path} is {actual}, expected a Box with one dimension; flatten the space first"
+        "{space} of {path} is {actual}, expected a Box with one dimension; `ted import FOLDER --observations KEYS` makes one of a dictionary, and \
+         whatever else it is must be flattened first"
     )]
     Space {
         /// The metadata file.
@@ -111,7 +122,8 @@ pub enum DatasetError {
     },
     /// A NaN or an infinity.
     #[error(
-        "{array} of {place} holds {value} at row {row}, column {column}; every value must be finite, so repair or drop the episode"
+        "{array} of {place} holds {value} at row {row}, column {column}; every value must be finite: repair the episode or leave it out; \
+         `ted import FOLDER --drop nan` keeps what comes before"
     )]
     NotFinite {
         /// The file or episode.
@@ -200,6 +212,18 @@ pub enum DatasetError {
         /// How many it may have.
         limit: u64,
     },
+    /// A dataset larger than the memory.
+    #[error(
+        "the dataset {id} takes about {needed} of memory, and {free} are free: end other programs, or make a smaller one of it"
+    )]
+    NoMemory {
+        /// The dataset's id.
+        id: String,
+        /// What it takes.
+        needed: Size,
+        /// What there is.
+        free: Size,
+    },
     /// A dataset id that Minari would refuse.
     #[error("`{id}` is not a dataset id: {reason}; write it as namespace/name-v0")]
     Id {
@@ -213,10 +237,10 @@ pub enum DatasetError {
 /// What to do about an end inside of an episode.
 fn way_out_of_an_end(last_step_has_one: bool) -> &'static str {
     match last_step_has_one {
-        true => "it is two recordings in one: `ted import` cuts them there",
+        true => "it is two recordings in one: `ted import FOLDER --drop after-end` keeps the first",
         false => {
             "its last step has none, so its rows are not in the order of time, as a writer with threads leaves them: write them again in \
-             order, or, if another recording follows there, let `ted import` cut it off"
+             order, or, if another recording follows there, leave it out with `ted import FOLDER --drop after-end`"
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::thread;
 
+use firmware_sim::disk::free_space;
+use firmware_sim::memory::meminfo_bytes;
+
+const MIB: u64 = 1 << 20;
 /// What the paper's dataset of one task, its run and the simulator need together.
 const DISK_NEEDED_MIB: u64 = 2048;
 /// What training on that dataset needs.
@@ -64,7 +67,7 @@ pub(super) fn memory() -> Result<String, String> {
     let Ok(text) = fs::read_to_string("/proc/meminfo") else {
         return Ok("not known on this system".to_owned());
     };
-    let mib = |name| meminfo_mib(&text, name);
+    let mib = |name| meminfo_bytes(&text, name).map(|bytes| bytes / MIB);
     match (mib("MemTotal"), mib("MemAvailable")) {
         (Some(total), Some(free)) if free < MEMORY_NEEDED_MIB => Err(format!(
             "{free} MiB of {total} MiB are free, and training on a full dataset needs about {MEMORY_NEEDED_MIB}: \
@@ -73,14 +76,6 @@ pub(super) fn memory() -> Result<String, String> {
         (Some(total), Some(free)) => Ok(format!("{free} MiB of {total} MiB free")),
         _ => Ok("not known on this system".to_owned()),
     }
-}
-
-fn meminfo_mib(text: &str, name: &str) -> Option<u64> {
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
-    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib / 1024)
 }
 
 /// Whether datasets can be written where they go.
@@ -96,14 +91,9 @@ pub(super) fn writable(folder: &Path) -> Result<String, String> {
     }
 }
 
-/// Free space where datasets go, asked of `df`, whose output POSIX fixes.
+/// Free space where datasets go.
 pub(super) fn free_disk(folder: &Path) -> Result<String, String> {
-    let output = Command::new("df").arg("-Pk").arg(existing(folder)).output();
-    let text = output.map_or_else(
-        |_| String::new(),
-        |output| String::from_utf8_lossy(&output.stdout).into_owned(),
-    );
-    match df_mib(&text) {
+    match free_space(folder).map(|bytes| bytes / MIB) {
         Some(free) if free < DISK_NEEDED_MIB => Err(format!(
             "{free} MiB at {}, and a full dataset with its run and the simulator need about {DISK_NEEDED_MIB}: \
              free some, or name another place with MINARI_DATASETS_PATH",
@@ -112,14 +102,6 @@ pub(super) fn free_disk(folder: &Path) -> Result<String, String> {
         Some(free) => Ok(format!("{free} MiB at {}", folder.display())),
         None => Ok("not known on this system".to_owned()),
     }
-}
-
-/// The fourth column of the line after the header. A name with spaces would shift it, so it is found from the percent sign.
-fn df_mib(text: &str) -> Option<u64> {
-    let columns: Vec<&str> = text.lines().nth(1)?.split_whitespace().collect();
-    let percent = columns.iter().position(|column| column.ends_with('%'))?;
-    let kib: u64 = columns.get(percent.checked_sub(1)?)?.parse().ok()?;
-    Some(kib / 1024)
 }
 
 /// The folder, or the nearest one above it that is there.
@@ -141,25 +123,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn free_space_is_read_from_df_whatever_the_device_is_called() {
-        let text = "Filesystem 1024-blocks Used Available Capacity Mounted on\n\
-                    map auto home 41152832 1048576 2097152 4% /data";
-        assert_eq!(df_mib(text), Some(2048));
-        assert_eq!(df_mib("df: nowhere"), None);
-    }
-
-    #[test]
     fn the_model_is_read_from_cpuinfo() {
         let text = "processor\t: 0\nmodel name\t: AMD EPYC 9R14\nmodel name\t: another\n";
         assert_eq!(cpuinfo_model(text), Some("AMD EPYC 9R14"));
         assert_eq!(cpuinfo_model("BogoMIPS\t: 100\n"), None);
-    }
-
-    #[test]
-    fn memory_is_read_from_meminfo() {
-        let text = "MemTotal:        8000000 kB\nMemAvailable:    4194304 kB\n";
-        assert_eq!(meminfo_mib(text, "MemAvailable"), Some(4096));
-        assert_eq!(meminfo_mib(text, "Mem"), None);
     }
 
     #[test]

@@ -83,6 +83,14 @@ pub enum ImportError {
     Interrupted(u32),
 }
 
+/// What an episode is called in a message: some sources number theirs, some give them names.
+pub(super) fn called(episode: &str) -> String {
+    match episode.starts_with("episode") {
+        true => episode.to_owned(),
+        false => format!("episode {episode}"),
+    }
+}
+
 impl ImportError {
     pub(super) fn fault(
         episode: Option<String>,
@@ -90,7 +98,7 @@ impl ImportError {
         what: String,
         way_out: String,
     ) -> Self {
-        let episode = episode.map_or_else(String::new, |it| format!("episode {it}: "));
+        let episode = episode.map_or_else(String::new, |it| format!("{}: ", called(&it)));
         let step = step.map_or_else(String::new, |it| format!("step {it}: "));
         Self::Fault {
             place: format!("{episode}{step}"),

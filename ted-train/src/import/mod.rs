@@ -8,18 +8,20 @@ mod reader;
 mod robot;
 
 pub use error::ImportError;
+use error::called;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use firmware_sim::disk::{Disk, WriteError};
 use firmware_sim::interrupt;
 use firmware_sim::progress::{Audience, Progress};
 use firmware_sim::robot::{ROBOT_FILE, Robot};
 use firmware_sim::worlds::Task;
 use serde::Serialize;
 
-use crate::dataset::EpisodeRecord;
-use crate::dataset::minari::{self, Behaviour, DatasetId, DatasetWriter, Origin};
+use crate::dataset::minari::{self, Behaviour, DatasetId, DatasetWriter, Origin, Room};
+use crate::dataset::{EpisodeRecord, Shape};
 use reader::{EpisodeRead, Header, Next, Reader};
 
 /// What to import, and where to.
@@ -98,6 +100,7 @@ pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport,
         None => robot::draft(&header, &seen),
     };
     let clipped = outside(config, command(), &robot, &seen)?;
+    make_sure_of_room(Disk::REAL, config, &robot, &seen)?;
     let source = config.source.display().to_string();
     let task = config.task.map_or(config.id.name(), |task| task.name());
     let origin = Origin::import(task, &source, &header.format, header.has.rewards);
@@ -183,7 +186,7 @@ fn look(
                     let step = note
                         .step
                         .map_or_else(String::new, |step| format!(", step {step}"));
-                    format!("episode {}{step}: {}", read.name, note.what)
+                    format!("{}{step}: {}", called(&read.name), note.what)
                 }));
                 bar.at(&read, seen.episodes.len() + 1);
                 seen.episodes.push((read.number, read.name, read.steps));
@@ -238,6 +241,26 @@ fn outside(
         }),
         _ => Ok(counts),
     }
+}
+
+/// Refuses what there is no disk for; what is there already needs none.
+fn make_sure_of_room(
+    disk: Disk,
+    config: &ImportConfig,
+    robot: &Robot,
+    seen: &Seen,
+) -> Result<(), WriteError> {
+    let folder = config.id.folder(&config.root);
+    let there = minari::begun_episodes(&folder) as usize;
+    let missing = seen.episodes.iter().skip(there);
+    let steps = missing.clone().map(|(_, _, steps)| *steps as u64).sum();
+    let room = Room {
+        shape: Shape::of(robot),
+        infos: 0,
+    };
+    let episodes = missing.count() as u64;
+    let what = format!("importing {episodes} episodes");
+    room.require(disk, &folder, &what, episodes, steps)
 }
 
 /// Writes what is not there yet.
@@ -331,5 +354,51 @@ impl Bar {
         };
         self.progress.advance(now.saturating_sub(self.shown));
         self.shown = self.shown.max(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_disk_has_no_room_for_is_refused_before_anything_is_written() {
+        let root = tempfile::tempdir().unwrap();
+        let config = ImportConfig {
+            source: "logs.csv".into(),
+            options: Vec::new(),
+            robot: None,
+            clip: false,
+            id: "mine/logs-v0".parse().unwrap(),
+            root: root.path().to_path_buf(),
+        };
+        let robot = Robot::draft(6, &[[0.0, 1.0]; 2]);
+        let seen = Seen {
+            actions: Vec::new(),
+            episodes: (0..100).map(|it| (it, it.to_string(), 150_000)).collect(),
+            notes: Vec::new(),
+        };
+        let tight = Disk::with_free(|_| Some(500_000_000));
+        let error = make_sure_of_room(tight, &config, &robot, &seen).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.starts_with(
+                "importing 100 episodes needs about 617 MB on the disk, and 500 MB are free at "
+            ),
+            "{text}"
+        );
+        assert!(
+            text.contains(
+                "mine/logs-v0: free some, or name another place with MINARI_DATASETS_PATH"
+            ),
+            "{text}"
+        );
+        // Thirty of them are there already.
+        for episode in 0..30 {
+            let folder = root.path().join(format!("mine/logs-v0/data/{episode}"));
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(folder.join("metadata.json"), "{}").unwrap();
+        }
+        assert!(make_sure_of_room(tight, &config, &robot, &seen).is_ok());
     }
 }

@@ -5,7 +5,7 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-use firmware_sim::bridge::environment::{INSTALLER, Kit, SetupError};
+use firmware_sim::bridge::environment::{INSTALLER, Kit, SetupError, call};
 use firmware_sim::last_words::{LastWords, Listener};
 use firmware_sim::progress::Audience;
 use serde::Deserialize;
@@ -174,7 +174,7 @@ pub(super) fn command(audience: Audience) -> Result<impl Fn() -> Command, SetupE
     let (python, folder) = READER.ensure(audience)?;
     let script = folder.join("read_source.py");
     Ok(move || {
-        let mut command = Command::new(&python);
+        let mut command = call(&python);
         command.arg("-Es").arg(&script);
         command
     })

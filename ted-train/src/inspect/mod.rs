@@ -18,6 +18,7 @@ use std::path::Path;
 use serde::Serialize;
 use ted_policy::{Artifact, ArtifactBytes, ArtifactError, LoadError};
 
+use crate::dataset::minari::foreign;
 use crate::dataset::{Dataset, DatasetError};
 use crate::run::{RunError, RunFolder};
 
@@ -67,7 +68,9 @@ pub enum InspectError {
 /// When there is nothing, or it is broken. Golden vectors that do not come out as they should are no error but part of the
 /// answer.
 pub fn inspect(path: &Path) -> Result<Inspection, InspectError> {
-    if path.is_file() {
+    if let Some(error) = foreign(path) {
+        Err(error.into())
+    } else if path.is_file() {
         let bytes = ArtifactBytes::read(path)?;
         let artifact = Artifact::parse(&bytes).map_err(|error| InspectError::Artifact {
             path: path.to_path_buf(),

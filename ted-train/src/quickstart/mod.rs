@@ -237,6 +237,7 @@ pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, Qui
             })
         }
         Setting::Collected(task, episodes) => {
+            collect::check_room(&config.collection(*task, Recipe::Paper, *episodes))?;
             let world = World::Listed(*task).ready(engine, audience)?;
             stage(
                 audience,

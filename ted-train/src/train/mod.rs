@@ -25,6 +25,7 @@ use crate::contract::contract;
 use crate::dataset::Dataset;
 use crate::export::ExportError;
 use crate::filter::NothingKept;
+use crate::need::{self, TooMuch};
 use crate::nn::BackendError;
 use crate::preferences::Teacher;
 use crate::reward::transport::TransportError;
@@ -41,6 +42,9 @@ pub enum TrainError {
     /// The disk.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The machine has not as much memory.
+    #[error(transparent)]
+    TooMuch(#[from] TooMuch),
     /// What it was to train on.
     #[error(transparent)]
     Backend(#[from] BackendError),
@@ -70,6 +74,12 @@ pub enum TrainError {
     /// The export.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// Rewards that nothing can be learned from.
+    #[error(
+        "the rewards that were made for the transitions are not finite: a step size of the reward, or a number that it is multiplied by, \
+         is too large"
+    )]
+    RewardsOverflow,
     /// A loss is no longer a number.
     #[error(
         "the {metric} is not finite after {step} updates: the learning rate or the rewards are too large"
@@ -114,8 +124,8 @@ pub enum TrainError {
 /// Whether this configuration can be trained on this dataset, before anything is begun.
 ///
 /// # Errors
-/// When this build or this machine lacks the backend, when no controller could fly a policy for the dataset, or when it has no
-/// segment as long as the questions ask for, too few episodes, or true rewards that are all the same where they are learned from.
+/// When this build or this machine lacks the backend or the memory, when no controller could fly a policy for the dataset, or when it
+/// has no segment as long as the questions ask for, too few episodes, or true rewards that are all the same where they are learned from.
 pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
     config.backend.usable()?;
     contract(dataset).map_err(ExportError::from)?;
@@ -130,7 +140,8 @@ pub fn check(dataset: &Dataset, config: &Config) -> Result<(), TrainError> {
         questions.check(dataset)?;
     }
     refuse_no_rewards(dataset, config.filter.looks_at_rewards())?;
-    Ok(config.filter.check(dataset.episodes().len())?)
+    config.filter.check(dataset.episodes().len())?;
+    Ok(need::check(dataset, config, 1)?)
 }
 
 /// Refuses rewards that are all the same where they are `needed`.

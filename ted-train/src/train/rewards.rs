@@ -128,6 +128,9 @@ fn label(
             (raw.map_err(ExportError::from)?, Some(model), facts)
         }
     };
+    if raw.iter().any(|reward| !reward.is_finite()) {
+        return Err(TrainError::RewardsOverflow);
+    }
     let labels = if work.config.unit_rewards {
         Labels::unit(work.dataset, raw)
     } else {

@@ -18,3 +18,4 @@ mod repeatability;
 mod report;
 mod studies;
 mod teachers;
+mod too_much;

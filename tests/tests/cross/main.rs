@@ -4,4 +4,5 @@ mod binaries;
 mod commands;
 mod d4rl;
 mod metaworld;
+mod own_robot;
 mod toy;

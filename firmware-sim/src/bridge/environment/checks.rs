@@ -1,7 +1,7 @@
 //! What `ted doctor` tells about the Python side, without installing anything.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use super::error::SetupError;
 use super::stamp::Stamp;
@@ -137,7 +137,7 @@ fn registry(interpreter: &python::Interpreter) -> Result<String, String> {
 
 fn ask_registry(python: &Path, throw_away: &Path) -> Result<(), SetupError> {
     let step = |step, python: &Path, arguments: &[&str]| {
-        let output = Command::new(python)
+        let output = python::call(python)
             .args(["-Es", "-m"])
             .args(arguments)
             .arg(throw_away)

@@ -43,7 +43,7 @@ pub(super) fn install(kit: &Kit, venv: &Path, audience: Audience) -> Result<(), 
     let bridge = kit.write(venv)?;
     let script = bridge.join(sources::INSTALL);
     let step = |name, python: &Path, arguments: &[&Path]| {
-        let mut command = Command::new(python);
+        let mut command = python::call(python);
         command.arg("-Esu").arg(&script).args(arguments);
         run(name, command, venv, &progress)
     };

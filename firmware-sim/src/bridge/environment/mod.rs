@@ -15,11 +15,12 @@ mod stamp;
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 pub use checks::{Check, diagnose};
 pub use error::SetupError;
 pub use kit::{INSTALLER, Kit};
-pub use python::{Interpreter, find as interpreter};
+pub use python::{Interpreter, call, find as interpreter};
 pub use sources::WORKER_KIT;
 
 use super::engine::Engine;
@@ -106,14 +107,22 @@ impl Environment {
         })
     }
 
-    /// What the worker is started with. Neither `PYTHONPATH` nor the user's own packages may change what Meta-World imports; a world of
+    /// How the worker is started. Neither `PYTHONPATH` nor the user's own packages may change what Meta-World imports; a world of
     /// one's own may need them.
-    pub(super) fn arguments(&self) -> Vec<OsString> {
-        let worker = self.worker.clone().into_os_string();
+    pub(super) fn command(&self) -> Command {
+        let ours = |plays: &str| {
+            let mut command = call(&self.python);
+            command.arg("-Es").arg(&self.worker).arg(plays);
+            command
+        };
         match &self.plays {
-            Plays::MetaWorld(engine) => vec!["-Es".into(), worker, engine.name().into()],
-            Plays::Task(task) => vec!["-Es".into(), worker, task.into()],
-            Plays::Own(world) => vec![worker, world.clone()],
+            Plays::MetaWorld(engine) => ours(engine.name()),
+            Plays::Task(task) => ours(task),
+            Plays::Own(world) => {
+                let mut command = Command::new(&self.python);
+                command.arg(&self.worker).arg(world);
+                command
+            }
         }
     }
 

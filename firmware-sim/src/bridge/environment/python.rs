@@ -1,5 +1,6 @@
 //! Finds a Python that the simulator's packages were built for.
 
+use std::env;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -69,8 +70,21 @@ pub fn find() -> Result<Interpreter, SetupError> {
     }
 }
 
+/// A call of an interpreter that runs a program of ours. Variables such as `PYTHONHOME` and `PYTHONPATH`, which the person may have
+/// for Python programs of their own, are not handed on: `-E` alone would leave them to the processes that ours start.
+#[must_use]
+pub fn call(python: &Path) -> Command {
+    let mut command = Command::new(python);
+    for (name, _) in env::vars_os() {
+        if name.as_encoded_bytes().starts_with(b"PYTHON") {
+            command.env_remove(name);
+        }
+    }
+    command
+}
+
 fn probe(python: &Path) -> Result<Interpreter, SetupError> {
-    let output = Command::new(python)
+    let output = call(python)
         .args(["-Es", "-c", PROBE])
         .stdin(Stdio::null())
         .output()

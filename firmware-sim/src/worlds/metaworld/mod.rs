@@ -59,6 +59,7 @@ impl Kind for MetaWorld {
             scene: tasks::scene(task),
             reward: "v2",
             pushes: true,
+            infos: 64,
         })
     }
 }

@@ -8,9 +8,9 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use firmware_sim::bridge::environment::interpreter;
+use firmware_sim::bridge::environment::{call, interpreter};
 use serde_json::Value;
 
 use super::flat::FlatSteps;
@@ -171,7 +171,7 @@ fn unpickled(path: &Path) -> Result<Vec<Value>, ImportError> {
     })?;
     let python = interpreter()?;
     let fault = |reason: &dyn ToString| ImportError::file(path, reason.to_string());
-    let mut child = Command::new(&python.path)
+    let mut child = call(&python.path)
         .args(["-Es", "-c", READER])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

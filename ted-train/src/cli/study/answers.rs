@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use firmware_sim::counts::at_a_time;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -46,7 +47,7 @@ pub(super) struct AnswersArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Runs at a time; one for each core if not given
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     jobs: Option<NonZeroUsize>,
     /// Where the runs are kept; a stopped study goes on from there
     #[arg(long, default_value = "runs/study/answers")]
@@ -58,7 +59,7 @@ pub(super) struct AnswersArgs {
     #[arg(long, value_name = "K/N", conflicts_with = "table")]
     shard: Option<Shard>,
     /// Hand the study to Slurm as an array of so many parts, and make nothing here
-    #[arg(long, value_name = "N", conflicts_with_all = ["shard", "table"])]
+    #[arg(long, value_name = "N", value_parser = at_a_time, conflicts_with_all = ["shard", "table"])]
     slurm: Option<NonZeroUsize>,
     /// An option for sbatch, such as --slurm-option=--partition=short; may be given several times
     #[arg(

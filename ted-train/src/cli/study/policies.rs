@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use firmware_sim::counts::at_a_time;
 use firmware_sim::exit::ExitCode;
 use firmware_sim::failure::Failure;
 use firmware_sim::output::OutputArgs;
@@ -54,7 +55,7 @@ pub(super) struct PoliciesArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Runs at a time; one for each core if not given
-    #[arg(long)]
+    #[arg(long, value_parser = at_a_time)]
     jobs: Option<NonZeroUsize>,
     /// Where the runs are kept; a stopped study goes on from there
     #[arg(long, default_value = "runs/study/policies")]

@@ -13,7 +13,7 @@ use crate::config::ranges::{Table, as_written};
 const ALGORITHM: Table = Table("algorithm");
 
 pub(super) fn algorithm(config: &AlgorithmConfig) -> Result<(), ConfigError> {
-    ALGORITHM.at_least_one("steps", config.steps() as f64)?;
+    ALGORITHM.repeated("steps", config.steps() as f64)?;
     ALGORITHM.at_least_one("batch", config.batch() as f64)?;
     match config {
         AlgorithmConfig::Iql(config) => iql(config),
@@ -59,8 +59,8 @@ fn atac(config: &AtacConfig) -> Result<(), ConfigError> {
 
 fn awr(config: &AwrConfig) -> Result<(), ConfigError> {
     let (critic, steps) = (config.critic_steps, config.steps);
-    ALGORITHM.at_least_one("critic_steps", critic as f64)?;
-    ALGORITHM.at_least_one("actor_steps", config.actor_steps as f64)?;
+    ALGORITHM.repeated("critic_steps", critic as f64)?;
+    ALGORITHM.repeated("actor_steps", config.actor_steps as f64)?;
     let range = "less than algorithm.steps: the policy learns nothing until then";
     ALGORITHM.within("critic_steps", critic as f64, critic < steps, range)?;
     ALGORITHM.positive("critic_rate", config.critic_rate)?;
@@ -97,6 +97,7 @@ fn conditioned(config: &ConditionedConfig) -> Result<(), ConfigError> {
 
 fn oppo(config: &OppoConfig) -> Result<(), ConfigError> {
     ALGORITHM.at_least_one("queries", config.queries as f64)?;
+    ALGORITHM.answers("queries", config.queries as f64)?;
     ALGORITHM.at_least_one("segment", config.segment.into())?;
     ALGORITHM.at_least_one("layers", config.layers as f64)?;
     ALGORITHM.heads(config.heads, config.width, 1)?;

@@ -30,6 +30,8 @@ fn oprl(config: &OprlConfig) -> Result<(), ConfigError> {
     let members = config.members;
     let holds = (1..=ted_core::MAX_MEMBERS).contains(&members);
     REWARD.within("members", members as f64, holds, "1 to 8")?;
+    REWARD.answers("rounds", config.rounds.into())?;
+    REWARD.at_most("epochs", config.epochs.into(), 1e6)?;
     if let Clip::Steps(steps) = config.segment {
         REWARD.at_least_one("segment", steps.into())?;
     }
@@ -42,12 +44,13 @@ fn oprl(config: &OprlConfig) -> Result<(), ConfigError> {
 
 fn transformer(config: &PtConfig) -> Result<(), ConfigError> {
     REWARD.at_least_one("queries", config.queries as f64)?;
+    REWARD.answers("queries", config.queries as f64)?;
     REWARD.at_least_one("segment", config.segment.into())?;
     scaling(config.scaling)?;
     REWARD.at_least_one("layers", config.layers as f64)?;
     REWARD.heads(config.heads, config.width, 2)?;
     REWARD.below_one("dropout", config.dropout)?;
-    REWARD.at_least_one("steps", config.steps as f64)?;
+    REWARD.repeated("steps", config.steps as f64)?;
     let WarmupCosine {
         start,
         peak,
@@ -65,12 +68,13 @@ fn transport(config: &TransportConfig) -> Result<(), ConfigError> {
     REWARD.at_least_one("experts", config.experts as f64)?;
     scaling(config.scaling)?;
     REWARD.small("epsilon", config.epsilon)?;
-    REWARD.at_least_one("iterations", config.iterations.into())?;
+    REWARD.repeated("iterations", config.iterations.into())?;
     REWARD.positive("alpha", config.alpha)?;
     REWARD.positive("beta", config.beta)
 }
 
 fn episodes(config: &EpisodesConfig) -> Result<(), ConfigError> {
+    REWARD.answers("queries", config.queries as f64)?;
     REWARD.at_least_one("directions", config.directions as f64)?;
     REWARD.at_least_one("block", config.block as f64)?;
     let mean = config.competence;
@@ -83,14 +87,16 @@ fn episodes(config: &EpisodesConfig) -> Result<(), ConfigError> {
     REWARD.at_least_one("pool", config.pool as f64)?;
     REWARD.at_least_one("candidates", config.candidates as f64)?;
     REWARD.at_least_one("samples", config.samples as f64)?;
+    REWARD.at_most("samples", config.samples as f64, 1e6)?;
     REWARD.at_least_one("thinning", config.thinning as f64)?;
+    REWARD.at_most("thinning", config.thinning as f64, 1e6)?;
     REWARD.share("sure", config.sure)?;
     fitting(Table("reward.clone"), &config.clone)?;
     fitting(Table("reward.network"), &config.network)
 }
 
 fn fitting(table: Table, config: &Fitting) -> Result<(), ConfigError> {
-    table.at_least_one("steps", config.steps as f64)?;
+    table.repeated("steps", config.steps as f64)?;
     table.at_least_one("batch", config.batch as f64)?;
     table.positive("learning_rate", config.learning_rate)?;
     table.adam("adam", config.adam)?;

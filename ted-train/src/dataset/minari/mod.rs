@@ -7,6 +7,7 @@
 mod arrow_file;
 mod decode;
 mod encode;
+mod foreign;
 mod id;
 mod metadata;
 mod numbers;
@@ -14,15 +15,19 @@ mod python_json;
 #[cfg(test)]
 mod python_tests;
 mod reader;
+mod room;
 mod states;
 #[cfg(test)]
 mod tests;
 mod writer;
 
+pub(crate) use foreign::foreign;
 pub use id::DatasetId;
 pub use metadata::{Behaviour, EpisodeNote, Origin};
 pub(super) use reader::read;
 pub(crate) use reader::{data_folder, own_folder};
+pub use room::Room;
+pub(crate) use room::begun_episodes;
 pub(crate) use states::states;
 pub use writer::{DatasetWriter, EpisodeError};
 pub(crate) use writer::{finished_origin, is_finished, kept_episode};

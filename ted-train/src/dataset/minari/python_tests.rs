@@ -11,6 +11,7 @@ use arrow_array::{
 };
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::{Field, Schema};
+use firmware_sim::robot::{ROBOT_FILE, Robot};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
@@ -163,6 +164,54 @@ fn a_box_of_any_type_is_a_space_and_its_bounds_may_be_infinite() {
                 .into();
     });
     assert_eq!(Dataset::open(&folder).unwrap().observation_dim(), 7);
+}
+
+/// The robot of whoever wrote no file for it.
+#[test]
+fn the_bounds_of_an_action_space_are_a_robot_s_ranges_and_what_is_outside_of_them_is_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let mut record = records(&[STEPS]).remove(0);
+    for (i, action) in record.actions.iter_mut().enumerate() {
+        *action = (i % 5) as f32 / 4.0;
+    }
+    let origin = Origin {
+        episodes: 1,
+        ..super::tests::origin()
+    };
+    let robot = Robot::draft(SHAPE.observation, &[[0.0, 1.0]; SHAPE.action]);
+    let id = DatasetId::new("mine", "box01", 0).unwrap();
+    let writer = DatasetWriter::open(root.path(), id, origin, robot).unwrap();
+    writer.write(0, Behaviour::default(), &record).unwrap();
+    let folder = writer.finish().unwrap();
+    let metadata = folder.join("data").join(METADATA);
+    fs::remove_file(folder.join("data").join(ROBOT_FILE)).unwrap();
+    super::tests::edit(&metadata, |value| {
+        value.as_object_mut().unwrap().remove("ted").unwrap();
+    });
+
+    let dataset = Dataset::open(&folder).unwrap();
+    assert!(!dataset.robot().declared());
+    assert!(
+        dataset
+            .robot()
+            .action
+            .iter()
+            .all(|it| it.range == [0.0, 1.0])
+    );
+    assert_eq!(dataset.actions_env(), record.actions);
+    let learned: Vec<f32> = record.actions.iter().map(|it| 2.0 * it - 1.0).collect();
+    assert_eq!(dataset.actions(), learned);
+
+    super::tests::edit(&metadata, |value| {
+        let space = value["action_space"].as_str().unwrap();
+        value["action_space"] = space.replacen("1.0", "0.5", 1).into();
+    });
+    let text = Dataset::open(&folder).map(|_| ()).unwrap_err().to_string();
+    assert!(text.contains("holds 0.75 at row "), "{text}");
+    assert!(
+        text.contains("channel action_0, whose range is [0, 0.5]"),
+        "{text}"
+    );
 }
 
 #[test]

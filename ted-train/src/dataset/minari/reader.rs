@@ -1,10 +1,12 @@
 //! Reads a Minari dataset in Arrow storage: all episodes in parallel, each straight into its place in memory.
 
 use super::metadata::{DatasetMetadata, EpisodeMetadata};
-use super::{DATA, METADATA, PART, decode, python_json};
+use super::{DATA, METADATA, PART, decode, foreign::foreign, python_json};
 use crate::dataset::assemble::{Filled, UNIT, assemble};
 use crate::dataset::{Dataset, DatasetError, Shape};
+use firmware_sim::memory::free_memory;
 use firmware_sim::robot::{ROBOT_FILE, Robot};
+use firmware_sim::size::Size;
 use firmware_sim::worlds;
 use rayon::prelude::*;
 use std::fs;
@@ -17,7 +19,7 @@ pub(crate) fn read(path: &Path, robot: Option<Robot>) -> Result<Dataset, Dataset
     let metadata = DatasetMetadata::read(&data)?;
     if metadata.data_format != "arrow" {
         return Err(DatasetError::Format {
-            path: data,
+            path: own_folder(&data),
             format: metadata.data_format,
         });
     }
@@ -54,6 +56,7 @@ pub(crate) fn read(path: &Path, robot: Option<Robot>) -> Result<Dataset, Dataset
         });
     }
     refuse_impossible_lengths(&data, &lengths)?;
+    refuse_without_memory(&id, metadata.total_steps, shape, free_memory() as f64)?;
 
     let mut dataset = assemble(&id, robot, &lengths, |index, slots| {
         let episode = &episodes[index];
@@ -101,6 +104,8 @@ pub(crate) fn data_folder(path: &Path) -> Result<PathBuf, DatasetError> {
     let inner = path.join(DATA);
     if inner.is_dir() {
         Ok(inner)
+    } else if let Some(error) = foreign(path) {
+        Err(error)
     } else if path.is_dir() {
         Ok(path.to_path_buf())
     } else {
@@ -163,6 +168,25 @@ fn episode_metadata(data: &Path, total: u32) -> Result<Vec<EpisodeMetadata>, Dat
     all.into_iter().collect()
 }
 
+/// All of it is in memory at once: two rows of single precision, a reward in both precisions, a return, and flags.
+fn refuse_without_memory(
+    id: &str,
+    steps: usize,
+    shape: Shape,
+    free: f64,
+) -> Result<(), DatasetError> {
+    let row = 4 * (shape.observation + shape.action) + 24;
+    let needed = steps as f64 * row as f64;
+    if needed <= free {
+        return Ok(());
+    }
+    Err(DatasetError::NoMemory {
+        id: id.to_owned(),
+        needed: Size(needed),
+        free: Size(free),
+    })
+}
+
 /// A step takes some bytes on the disk, so a length beyond the file's size is a lie that would exhaust memory.
 fn refuse_impossible_lengths(data: &Path, lengths: &[usize]) -> Result<(), DatasetError> {
     for (episode, &steps) in lengths.iter().enumerate() {
@@ -183,4 +207,24 @@ fn refuse_impossible_lengths(data: &Path, lengths: &[usize]) -> Result<(), Datas
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dataset_that_is_larger_than_the_memory_is_refused_before_it_is_read() {
+        let shape = Shape {
+            observation: 39,
+            action: 4,
+        };
+        let steps = 10_000_000;
+        assert!(refuse_without_memory("mine/large-v0", steps, shape, 2e9).is_ok());
+        let refused = refuse_without_memory("mine/large-v0", steps, shape, 1e9).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "the dataset mine/large-v0 takes about 2.0 GB of memory, and 1.0 GB are free: end other programs, or make a smaller one of it"
+        );
+    }
 }

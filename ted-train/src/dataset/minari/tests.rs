@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 const LENGTHS: [usize; 4] = [6, 4, 5, 7];
 
-fn origin() -> Origin {
+pub(super) fn origin() -> Origin {
     Origin {
         task: "drawer-open-v3".into(),
         recipe: "paper".into(),
@@ -313,7 +313,7 @@ fn metadata_that_does_not_fit_is_named() {
     };
     let hdf5 = with(&|value| value["data_format"] = "hdf5".into());
     assert!(
-        hdf5.contains("is stored as hdf5") && hdf5.contains("update_from_storage"),
+        hdf5.contains("is stored as hdf5") && hdf5.contains("`ted import "),
         "{hdf5}"
     );
     assert!(

@@ -14,6 +14,9 @@ pub struct Shard {
     of: NonZeroUsize,
 }
 
+/// The most parts: many more than the study has runs.
+const MOST: usize = 10_000;
+
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.index, self.of)
@@ -30,9 +33,10 @@ impl FromStr for Shard {
         let (index, of) = text.split_once('/').ok_or_else(wrong)?;
         let number = |digits: &str| digits.trim().parse::<NonZeroUsize>().map_err(|_| wrong());
         let (index, of) = (number(index)?, number(of)?);
-        match index <= of {
-            true => Ok(Self { index, of }),
-            false => Err(wrong()),
+        match (index <= of, of.get() <= MOST) {
+            (true, true) => Ok(Self { index, of }),
+            (true, false) => Err(format!("{text:?} is a part of more than {MOST}")),
+            (false, _) => Err(wrong()),
         }
     }
 }
