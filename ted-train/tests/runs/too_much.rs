@@ -107,7 +107,7 @@ const NUMBERS: [&str; 8] = [
 ];
 
 /// As little as possible of everything, where a preset has it.
-const LITTLE: [&str; 22] = [
+const LITTLE: [&str; 23] = [
     // Parts of the steps before the steps.
     "algorithm.warm_start=1",
     "algorithm.critic_steps=1",
@@ -131,6 +131,7 @@ const LITTLE: [&str; 22] = [
     "reward.network.steps=3",
     "reward.samples=5",
     "reward.iterations=3",
+    "reward.experts=2",
 ];
 
 /// A preset at its smallest.

@@ -173,4 +173,71 @@ fn a_puck_at_30_hz_with_actions_from_0_to_1_flies_on_a_cortex_m_from_its_logs_an
             "{flown}, and {nothing} by doing nothing"
         );
     }
+
+    // The run was never flown, so this flight is its own, and it is flown again to the bit.
+    let eval = [
+        "eval",
+        "run",
+        "--world",
+        "puck.py",
+        "--episodes",
+        "3",
+        "--json",
+    ];
+    let flown: Value = serde_json::from_str(&said(&mut ted(at, &eval), &[0])).unwrap();
+    assert!(
+        flown["world"].as_str().unwrap().ends_with("/puck.py"),
+        "{flown}"
+    );
+    assert_eq!(flown["score"], Value::Null);
+    let check = [
+        "crosscheck",
+        "run",
+        "--episodes",
+        "2",
+        "--sample",
+        "200",
+        "--json",
+    ];
+    let check: Value = serde_json::from_str(&said(&mut ted(at, &check), &[0])).unwrap();
+    let checks = check["checks"].as_array().unwrap();
+    let again = checks.iter().find(|it| {
+        it["what"]
+            .as_str()
+            .unwrap()
+            .starts_with("returns, flown again")
+    });
+    assert_eq!(again.unwrap()["compared"], 2, "{check}");
+
+    // The same at reduced size in one command, with the clone of the logs beside it.
+    let quick = [
+        "quickstart",
+        "--dataset",
+        "mine/puck-v0",
+        "--world",
+        "puck.py",
+        "--steps",
+        "40",
+    ];
+    let unasked = ted(at, &quick).output().unwrap();
+    assert_eq!(
+        unasked.status.code(),
+        Some(3),
+        "nobody can answer: {unasked:?}"
+    );
+    fs::write(at.join("keys"), "1\n".repeat(10) + "\n").unwrap();
+    let keys = fs::File::open(at.join("keys")).unwrap();
+    let asked = [&quick[..], &["--ask", "--text", "--json"]].concat();
+    let report: Value = serde_json::from_str(&said(ted(at, &asked).stdin(keys), &[0])).unwrap();
+    assert_eq!(
+        (&report["rewarded"], &report["scripted"]),
+        (&json!(false), &Value::Null)
+    );
+    for who in ["cloned", "trained"] {
+        assert_eq!(
+            report[who]["returns"].as_array().unwrap().len(),
+            10,
+            "{report}"
+        );
+    }
 }

@@ -207,7 +207,7 @@ fn the_bounds_of_an_action_space_are_a_robot_s_ranges_and_what_is_outside_of_the
         value["action_space"] = space.replacen("1.0", "0.5", 1).into();
     });
     let text = Dataset::open(&folder).map(|_| ()).unwrap_err().to_string();
-    assert!(text.contains("holds 0.75 at row "), "{text}");
+    assert!(text.contains("holds 1 at row 1, "), "{text}");
     assert!(
         text.contains("channel action_0, whose range is [0, 0.5]"),
         "{text}"
