@@ -3,6 +3,7 @@
 use super::*;
 use crate::dataset::Dataset;
 use firmware_sim::bridge::{BridgeError, Episode, EpisodeJob, Shape as BridgeShape};
+use firmware_sim::exit::ExitCode;
 use firmware_sim::worlds::metaworld;
 use std::collections::BTreeMap;
 use std::fs;
@@ -413,8 +414,24 @@ fn the_toy_is_collected_without_a_simulator_and_the_same_again() {
     };
     let error = ToySource::of(&drifting)
         .map(|mut toy| run_on(&drifting, &mut toy, Audience::Nobody).unwrap_err());
-    assert!(matches!(error, Some(CollectError::NotTheToy { .. })));
+    assert!(matches!(error, Some(CollectError::NoPush { .. })));
     assert!(ToySource::of(&config(one.path())).is_none());
+}
+
+#[test]
+fn a_task_without_a_scripted_policy_is_refused_with_the_way_to_its_logs() {
+    let root = tempfile::tempdir().unwrap();
+    let hopper = CollectConfig {
+        task: "hopper".into(),
+        ..config(root.path())
+    };
+    let error = run_anywhere(&hopper, Engine::default(), Audience::Nobody).unwrap_err();
+    assert_eq!(error.exit_code(), ExitCode::Usage);
+    let text = error.to_string();
+    assert!(
+        text.contains("hopper has no scripted policy") && text.contains("`ted import`"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -297,7 +297,7 @@ mod tests {
         let place = "episode 1 has a termination at step 2 of 6, and goes on";
         assert!(text.starts_with(place), "{text}");
         assert!(
-            text.contains("two recordings in one: `ted import`"),
+            text.contains("two recordings in one: `ted import FOLDER --drop after-end`"),
             "{text}"
         );
         let text = error(|r| {

@@ -368,6 +368,7 @@ mod tests {
             source: "logs.csv".into(),
             options: Vec::new(),
             robot: None,
+            task: None,
             clip: false,
             id: "mine/logs-v0".parse().unwrap(),
             root: root.path().to_path_buf(),
