@@ -153,7 +153,7 @@ fn models_of_sequences_that_are_stopped_or_killed_go_on_to_the_same_bytes() {
 fn a_run_asked_to_stop_while_it_learns_the_reward_keeps_the_answers() {
     let desk = Desk::with_dataset();
     let answers = desk.run("run").join("preferences.jsonl");
-    let mut endless = desk.train("run", "oprl-i", &["reward.epochs=100000000"]);
+    let mut endless = desk.train("run", "oprl-i", &["reward.epochs=1000000"]);
     let child = start_until(&mut endless, || lines(&answers) >= 7);
     terminate(&child);
     let ended = child.wait_with_output().unwrap();

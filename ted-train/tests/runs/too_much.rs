@@ -107,7 +107,7 @@ const NUMBERS: [&str; 8] = [
 ];
 
 /// As little as possible of everything, where a preset has it.
-const LITTLE: [&str; 23] = [
+const LITTLE: [&str; 24] = [
     // Parts of the steps before the steps.
     "algorithm.warm_start=1",
     "algorithm.critic_steps=1",
@@ -132,6 +132,7 @@ const LITTLE: [&str; 23] = [
     "reward.samples=5",
     "reward.iterations=3",
     "reward.experts=2",
+    "filter.k=50",
 ];
 
 /// A preset at its smallest.
