@@ -18,3 +18,5 @@ mod repeatability;
 mod report;
 mod studies;
 mod teachers;
+#[path = "../venv/mod.rs"]
+mod venv;
