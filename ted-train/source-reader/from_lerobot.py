@@ -258,7 +258,8 @@ class Lerobot:
     def _video(self, key, where, begin, end):
         path = self._info["video_path"].format(video_key=key, **where)
         about = self._features[key].get("info") or self._features[key].get("video_info") or {}
-        return {"feature": key, "path": path, "from_s": begin, "to_s": end, "fps": about.get("video.fps", self._info["fps"])}
+        fps = self._info["fps"]
+        return {"feature": key, "path": path, "from_s": begin, "to_s": end, "step_s": 1 / fps, "fps": about.get("video.fps", fps)}
 
 
 def without_holes(places):

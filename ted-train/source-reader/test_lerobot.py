@@ -117,7 +117,7 @@ class Lerobot(Reading):
     def test_the_places_of_videos_are_told(self):
         _, episodes = self.whole(self.write("v2.1"))
         path = f"videos/chunk-001/{VIDEO}/episode_000002.mp4"
-        self.assertEqual(episodes[2]["videos"], [{"feature": VIDEO, "path": path, "from_s": 0.0, "to_s": None, "fps": 15.0}])
+        self.assertEqual(episodes[2]["videos"], [{"feature": VIDEO, "path": path, "from_s": 0.0, "to_s": None, "step_s": 1 / FPS, "fps": 15.0}])
         _, episodes = self.whole(self.write("v3.0"))
         (video,) = episodes[2]["videos"]
         self.assertEqual((video["path"], video["from_s"]), (f"videos/{VIDEO}/chunk-000/file-000.mp4", 1.0))

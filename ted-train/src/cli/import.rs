@@ -200,6 +200,12 @@ fn text(report: &ImportReport) -> String {
         ),
         format!("success   {}", said(report.success)),
     ];
+    if !report.cameras.is_empty() {
+        lines.push(format!(
+            "videos    of {}: `ted ask` shows them from where they are",
+            report.cameras.join(", ")
+        ));
+    }
     let clipped: u64 = report.clipped.iter().sum();
     if clipped > 0 {
         lines.push(format!(

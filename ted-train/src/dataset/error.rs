@@ -52,6 +52,16 @@ pub enum DatasetError {
         /// What is wrong in it.
         reason: String,
     },
+    /// A list of videos that does not say what it must.
+    #[error(
+        "{path} does not name the videos of the logs: {reason}; import the logs again with `ted import`"
+    )]
+    Videos {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        reason: String,
+    },
     /// A storage format this reader does not know.
     #[error(
         "{path} is stored as {format}, and only arrow is read as it is: `ted import {path}` makes such a dataset of it"

@@ -19,6 +19,7 @@ pub mod minari;
 mod record;
 mod segment;
 mod statistics;
+mod videos;
 
 pub use clip::Clip;
 pub use error::DatasetError;
@@ -27,3 +28,4 @@ pub use in_memory::{Dataset, Episode};
 pub use record::{EpisodeRecord, InfoColumn, Shape};
 pub use segment::{Segment, SegmentError, SegmentSampler};
 pub use statistics::ObservationStatistics;
+pub use videos::{Video, Videos};

@@ -21,8 +21,8 @@ use firmware_sim::worlds::Task;
 use serde::Serialize;
 
 use crate::dataset::minari::{self, Behaviour, DatasetId, DatasetWriter, Origin, Room};
-use crate::dataset::{EpisodeRecord, Shape};
-use reader::{EpisodeRead, Header, Next, Reader};
+use crate::dataset::{EpisodeRecord, Shape, Video, Videos};
+use reader::{EpisodeRead, Filmed, Header, Next, Reader};
 
 /// What to import, and where to.
 #[derive(Clone, Debug)]
@@ -64,6 +64,8 @@ pub struct ImportReport {
     pub period_us: u32,
     /// How the period is known.
     pub period_from: String,
+    /// Cameras of which the source has videos.
+    pub cameras: Vec<String>,
     /// Facts about the robot that are guessed.
     pub guesses: usize,
     /// Numbers of actions that were clipped, for each channel.
@@ -78,7 +80,33 @@ pub(crate) struct Seen {
     actions: Vec<[f32; 2]>,
     /// Number, name and steps of every episode.
     episodes: Vec<(u64, String, usize)>,
+    /// What the cameras saw of each.
+    videos: Vec<Vec<Video>>,
     notes: Vec<String>,
+}
+
+impl Seen {
+    /// The cameras of the episodes, in the order in which they are found.
+    fn cameras(&self) -> Vec<String> {
+        let mut cameras: Vec<String> = Vec::new();
+        for video in self.videos.iter().flatten() {
+            if !cameras.contains(&video.camera) {
+                cameras.push(video.camera.clone());
+            }
+        }
+        cameras
+    }
+}
+
+/// A video as a dataset names it.
+fn video(filmed: Filmed) -> Video {
+    Video {
+        camera: filmed.feature,
+        path: filmed.path,
+        from_s: filmed.from_s,
+        step_s: filmed.step_s,
+        frame_s: filmed.fps.recip(),
+    }
 }
 
 /// Makes a dataset of a source, or goes on with it.
@@ -87,7 +115,7 @@ pub(crate) struct Seen {
 /// When there is no reader, the source is at fault, the robot is another one, or the disk fails.
 pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport, ImportError> {
     let command = reader::command(audience)?;
-    let (header, seen) = look(config, command(), audience)?;
+    let (header, mut seen) = look(config, command(), audience)?;
     // What somebody declared for this dataset before outlives another import.
     let there = minari::data_folder(&config.id.folder(&config.root));
     let there = there
@@ -106,6 +134,16 @@ pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport,
     let origin = Origin::import(task, &source, &header.format, header.has.rewards);
     let writer = DatasetWriter::open(&config.root, config.id.clone(), origin, robot.clone())?;
     write(config, command(), &writer, &robot, &seen, audience)?;
+    let mut cameras = seen.cameras();
+    let videos = Videos::of(&config.source, std::mem::take(&mut seen.videos));
+    if !videos.are_sound() {
+        let odd = "its videos are not in its folder, or at times that are none: they are left out";
+        seen.notes.push(odd.to_owned());
+        cameras.clear();
+    }
+    if !cameras.is_empty() {
+        videos.write(writer.folder())?;
+    }
     let episodes = u32::try_from(seen.episodes.len()).unwrap_or(u32::MAX);
     let folder = writer.of_episodes(episodes).finish()?;
     Ok(ImportReport {
@@ -122,6 +160,7 @@ pub fn import(config: &ImportConfig, audience: Audience) -> Result<ImportReport,
             (None, Some(from)) => from,
             (None, None) => "a guess".to_owned(),
         },
+        cameras,
         guesses: robot.guesses().count(),
         clipped,
         notes: header.notes.into_iter().chain(seen.notes).collect(),
@@ -166,6 +205,7 @@ fn look(
     let mut seen = Seen {
         actions: vec![[f32::INFINITY, f32::NEG_INFINITY]; header.action.len()],
         episodes: Vec::new(),
+        videos: Vec::new(),
         notes: Vec::new(),
     };
     loop {
@@ -190,6 +230,8 @@ fn look(
                 }));
                 bar.at(&read, seen.episodes.len() + 1);
                 seen.episodes.push((read.number, read.name, read.steps));
+                seen.videos
+                    .push(read.videos.into_iter().map(video).collect());
             }
         }
     }
@@ -309,9 +351,10 @@ fn record(read: EpisodeRead, robot: &Robot) -> EpisodeRecord {
     let steps = read.steps;
     let ranges = robot.action.iter().map(|it| it.range).cycle();
     let terminations = read.terminations.unwrap_or_else(|| vec![false; steps]);
-    let mut truncations = vec![false; steps];
+    let mut truncations = read.truncations.unwrap_or_else(|| vec![false; steps]);
+    // Where the recording ended is where the episode does.
     if let (Some(truncated), Some(terminated)) = (truncations.last_mut(), terminations.last()) {
-        *truncated = !terminated;
+        *truncated |= !terminated;
     }
     EpisodeRecord {
         seed: None,

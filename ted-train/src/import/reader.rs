@@ -2,7 +2,7 @@
 //! `source-reader/README.md` says what it reads and what it sends.
 
 use std::io::{BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
 use firmware_sim::bridge::environment::{INSTALLER, Kit, SetupError, call};
@@ -94,6 +94,16 @@ pub(super) struct Note {
     pub what: String,
 }
 
+/// Where one camera's video of an episode is.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Filmed {
+    pub feature: String,
+    pub path: PathBuf,
+    pub from_s: f64,
+    pub step_s: f64,
+    pub fps: f64,
+}
+
 #[derive(Clone, Debug, Deserialize)]
 struct Array {
     name: String,
@@ -113,6 +123,7 @@ enum About {
         share: Option<f64>,
         arrays: Vec<Array>,
         notes: Vec<Note>,
+        videos: Vec<Filmed>,
     },
     Skipped {
         name: String,
@@ -136,10 +147,12 @@ pub(super) struct EpisodeRead {
     /// How much of the source was read, where nobody knows how many episodes it has.
     pub share: Option<f64>,
     pub notes: Vec<Note>,
+    pub videos: Vec<Filmed>,
     pub observations: Vec<f32>,
     pub actions: Vec<f64>,
     pub rewards: Option<Vec<f64>>,
     pub terminations: Option<Vec<bool>>,
+    pub truncations: Option<Vec<bool>>,
     pub success: Option<Vec<bool>>,
 }
 
@@ -228,6 +241,7 @@ impl Reader {
                 share,
                 arrays,
                 notes,
+                videos,
             } => {
                 let mut read = EpisodeRead {
                     number,
@@ -235,6 +249,7 @@ impl Reader {
                     steps,
                     share,
                     notes,
+                    videos,
                     ..EpisodeRead::default()
                 };
                 for array in &arrays {
@@ -277,8 +292,8 @@ impl Reader {
             "actions" => into.actions = doubles().collect(),
             "rewards" => into.rewards = Some(doubles().collect()),
             "terminations" => into.terminations = Some(flags()),
+            "truncations" => into.truncations = Some(flags()),
             "success" => into.success = Some(flags()),
-            // Where the recording ended is where the episode does.
             _ => {}
         }
         Ok(())

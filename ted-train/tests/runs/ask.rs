@@ -7,6 +7,7 @@ pub mod chromium;
 mod did;
 mod film;
 mod page;
+mod video;
 
 use std::fs;
 use std::process::{Child, Command, Stdio};

@@ -19,3 +19,5 @@ mod report;
 mod studies;
 mod teachers;
 mod too_much;
+#[path = "../venv/mod.rs"]
+mod venv;

@@ -1,8 +1,9 @@
-//! Rendered pictures of clips, where there is something that can make them. The numbers of a clip ([`super::Numbers`]) are always
-//! there; its film comes later, still by still, or not at all, and nobody waits for it.
+//! Pictures of clips, where there are any: the videos that belong to the dataset, or stills that something can make. The numbers of a clip
+//! ([`super::Numbers`]) are always there; its film comes later, still by still, or not at all, and nobody waits for it.
 //!
 //! A [`Studio`] has a thread that makes what the open question shows, coarsely first and then finer, and keeps it in a folder beside the dataset
-//! that can be removed at any time. Where the stills come from is a [`FilmSource`].
+//! that can be removed at any time. Where the stills come from is a [`FilmSource`]. Videos are not made: the studio says which they are
+//! ([`Screening`]), and the page plays them.
 
 mod cache;
 mod plan;
@@ -11,6 +12,7 @@ mod simulator;
 mod studio;
 #[cfg(test)]
 mod tests;
+mod videos;
 
 use std::path::Path;
 
@@ -22,6 +24,8 @@ use cache::Cache;
 pub use reel::Reel;
 use simulator::Simulator;
 pub use studio::{Progress, Studio};
+use videos::Projector;
+pub use videos::{Screening, kind};
 
 /// What a processor without a GPU draws in some 25 ms. `docs/ask.md` has the measurement.
 const LOOK: Look = Look {
@@ -50,9 +54,15 @@ pub trait FilmSource: Send {
     fn stills(&mut self, episode: u32, steps: &[u32]) -> Result<Vec<Vec<u8>>, NoFilm>;
 }
 
-/// The studio for a dataset in this folder: one that is closed, with the reason, where nothing can make its films.
+/// The studio for a dataset in this folder: one that shows its videos if it has some, and one that is closed, with the reason, where nothing can
+/// make its films.
 #[must_use]
 pub fn studio(dataset: &Dataset, folder: &Path) -> Studio {
+    match Projector::of(folder) {
+        Ok(Some(projector)) => return Studio::of_videos(projector),
+        Err(reason) => return Studio::closed(&reason),
+        Ok(None) => {}
+    }
     match Simulator::of(dataset, folder, LOOK) {
         Ok(simulator) => {
             let cache = Cache::beside(folder, &simulator.key(dataset));

@@ -1,6 +1,7 @@
 //! The thread that makes films, and what others see of it.
 
 use std::collections::{HashMap, HashSet, VecDeque};
+use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -10,16 +11,18 @@ use serde::Serialize;
 
 use super::cache::{Cache, Still};
 use super::plan::{Batch, Plan, batches};
+use super::videos::{Projector, Screening};
 use super::{FilmSource, NoFilm};
 use crate::dataset::Segment;
 
-/// Makes the films of the question that is open. Dropped, it ends after the stills that it is about to make.
+/// Makes the films of the question that is open, or says where its videos are. Dropped, it ends after the stills that it is about to make.
 pub struct Studio {
     shared: Arc<Shared>,
+    projector: Option<Projector>,
 }
 
 /// How far the films of the open question are.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Progress {
     /// Why there will be no more.
     pub trouble: Option<String>,
@@ -29,6 +32,8 @@ pub struct Progress {
     pub first: [usize; 2],
     /// Left and right; none where nothing is asked.
     pub films: Vec<Film>,
+    /// Videos of both clips, where the dataset has them. There are no stills then.
+    pub videos: Option<Screening>,
 }
 
 /// How far one film is.
@@ -52,6 +57,7 @@ struct State {
     to_make: VecDeque<Batch>,
     /// Stills by episode and step.
     made: HashMap<(u32, u32), Bytes>,
+    videos: Option<Screening>,
     trouble: Option<NoFilm>,
     closed: bool,
 }
@@ -62,7 +68,18 @@ impl Studio {
         let shared = Arc::new(Shared::default());
         let own = Arc::clone(&shared);
         thread::spawn(move || own.work(source, cache));
-        Self { shared }
+        Self {
+            shared,
+            projector: None,
+        }
+    }
+
+    /// A studio that makes nothing and shows what there is.
+    pub(super) fn of_videos(projector: Projector) -> Self {
+        Self {
+            shared: Arc::default(),
+            projector: Some(projector),
+        }
     }
 
     /// A studio that makes nothing.
@@ -76,11 +93,19 @@ impl Studio {
         }
         Self {
             shared: Arc::new(shared),
+            projector: None,
         }
     }
 
     /// Makes the films of these clips from now on, left and right.
     pub fn show(&self, clips: [Segment; 2]) {
+        if let Some(projector) = &self.projector {
+            let screened = projector.screen(clips);
+            let mut state = self.shared.lock();
+            state.trouble = screened.as_ref().err().cloned();
+            state.videos = screened.ok();
+            return;
+        }
         let plans = clips.map(Plan::of);
         let mut state = self.shared.lock();
         let wanted: HashSet<_> = (plans.iter())
@@ -102,6 +127,7 @@ impl Studio {
         let state = self.shared.lock();
         let mut progress = Progress {
             trouble: state.trouble.as_ref().map(ToString::to_string),
+            videos: state.videos.clone(),
             ..Progress::default()
         };
         for plan in state.plans.iter().flatten() {
@@ -127,6 +153,14 @@ impl Studio {
         let known = still < plan.stills;
         let at = (plan.episode, plan.step(if known { still } else { 0 }));
         state.made.get(&at).filter(|_| known).cloned()
+    }
+
+    /// The video of the left (0) or right (1) clip by a camera.
+    #[must_use]
+    pub fn video(&self, side: usize, camera: usize) -> Option<PathBuf> {
+        let state = self.shared.lock();
+        let file = state.videos.as_ref()?.file(side, camera)?;
+        Some(file.to_path_buf())
     }
 }
 

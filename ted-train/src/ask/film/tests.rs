@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 use super::cache::Cache;
 use super::plan::{Plan, batches};
 use super::studio::{Progress, Studio};
+use super::videos::Projector;
 use super::{FilmSource, NoFilm};
 use crate::dataset::fixtures::{SHAPE, records};
-use crate::dataset::{Dataset, Segment};
+use crate::dataset::{Dataset, Segment, Video, Videos};
 
 /// Makes a still that says its episode and step, and fails at some episode.
 struct Scribe {
@@ -181,4 +182,63 @@ fn trouble_is_told_and_what_was_made_before_it_stays() {
     let studio = Studio::closed(&NoFilm("nobody there".into()));
     studio.show([whole(&dataset, 0), whole(&dataset, 1)]);
     assert_eq!(studio.progress().trouble.as_deref(), Some("nobody there"));
+}
+
+#[test]
+fn videos_are_those_of_cameras_that_saw_both_clips_each_from_where_its_clip_begins() {
+    let dataset = dataset();
+    let (logs, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    let video = |camera: &str, path: &str, from_s| Video {
+        camera: camera.into(),
+        path: path.into(),
+        from_s,
+        step_s: 0.5,
+        frame_s: 0.25,
+    };
+    let seen = vec![
+        vec![video("wrist", "w.mp4", 0.0), video("top", "t.mp4", 1.0)],
+        vec![video("top", "t.mp4", 300.0), video("side", "s.mp4", 0.0)],
+        vec![video("side", "s.avi", 7.0)],
+    ];
+    assert!(Projector::of(folder.path()).unwrap().is_none());
+    Videos::of(logs.path(), seen).write(folder.path()).unwrap();
+    let studio = || Studio::of_videos(Projector::of(folder.path()).unwrap().unwrap());
+    let clips = |one, other| [one, other].map(|it| Segment::new(&dataset, it, 10, 20).unwrap());
+
+    // A file that is gone, and one that is there.
+    let gone = studio();
+    gone.show(clips(0, 1));
+    let trouble = gone.progress().trouble.unwrap();
+    assert!(trouble.contains("t.mp4 is gone; put it back"), "{trouble}");
+    assert_eq!((gone.progress().videos, gone.video(0, 0)), (None, None));
+    for file in ["w.mp4", "t.mp4", "s.mp4", "s.avi"] {
+        std::fs::write(logs.path().join(file), file).unwrap();
+    }
+    let studio = studio();
+    assert_eq!(studio.progress(), Progress::default());
+    studio.show(clips(0, 1));
+    let progress = studio.progress();
+    assert_eq!((progress.trouble, progress.all), (None, [0, 0]));
+    let take = |from_s| serde_json::json!([{"from_s": from_s, "step_s": 0.5, "frame_s": 0.25}]);
+    assert_eq!(
+        serde_json::to_value(progress.videos).unwrap(),
+        serde_json::json!({"cameras": ["top"], "takes": [take(6.0), take(305.0)]})
+    );
+    assert!(studio.video(1, 0).unwrap().ends_with("t.mp4"));
+    for (side, camera) in [(0, 1), (2, 0), (0, usize::MAX)] {
+        assert_eq!(studio.video(side, camera), None, "{side} {camera}");
+    }
+    // What goes wrong with one question says nothing of another.
+    for (both, why) in [((0, 2), "no camera saw both"), ((2, 2), "no browser plays")] {
+        studio.show([whole(&dataset, both.0), whole(&dataset, both.1)]);
+        let trouble = studio.progress().trouble.unwrap();
+        assert!(
+            trouble.contains(why) && studio.video(0, 0).is_none(),
+            "{trouble}"
+        );
+    }
+    studio.show(clips(1, 1));
+    assert_eq!(studio.progress().trouble, None);
+    assert!(studio.video(1, 1).unwrap().ends_with("s.mp4"));
 }

@@ -12,7 +12,7 @@ pub(super) struct Asset {
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// All of them.
-pub(super) const ALL: [Asset; 11] = [
+pub(super) const ALL: [Asset; 12] = [
     asset(
         "/",
         "text/html; charset=utf-8",
@@ -32,6 +32,7 @@ pub(super) const ALL: [Asset; 11] = [
     asset("/app.js", SCRIPT, include_str!("assets/app.js")),
     asset("/did.js", SCRIPT, include_str!("assets/did.js")),
     asset("/film.js", SCRIPT, include_str!("assets/film.js")),
+    asset("/video.js", SCRIPT, include_str!("assets/video.js")),
     asset("/player.js", SCRIPT, include_str!("assets/player.js")),
     asset("/space.js", SCRIPT, include_str!("assets/space.js")),
     asset("/plots.js", SCRIPT, include_str!("assets/plots.js")),

@@ -4,6 +4,7 @@ mod assets;
 mod desk;
 mod guard;
 mod page;
+mod range;
 mod routes;
 mod scene;
 mod server;

@@ -1,5 +1,5 @@
-//! What can be asked of the server: the page's own files, what it shows, its two clips, their films, and one way to say something. Nothing here
-//! takes a name of a file.
+//! What can be asked of the server: the page's own files, what it shows, its two clips, their films and videos, and one way to say something.
+//! Nothing here takes a name of a file.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
 use axum::http::header::{CACHE_CONTROL, CONTENT_LENGTH, CONTENT_TYPE, SET_COOKIE};
-use axum::http::{HeaderName, HeaderValue, StatusCode};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -17,8 +17,9 @@ use serde::Deserialize;
 use super::assets;
 use super::desk::{Desk, TooLate};
 use super::guard::{Entry, Guard, Refusal};
+use super::range;
 use super::scene::Word;
-use crate::ask::film::Studio;
+use crate::ask::film::{self, Studio};
 use crate::ask::words::word;
 
 /// Bytes that somebody may say at once.
@@ -32,7 +33,7 @@ const LIMIT: Duration = Duration::from_secs(30);
 const HEADERS: [(&str, &str); 6] = [
     (
         "content-security-policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; base-uri 'none'; \
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; media-src 'self'; connect-src 'self'; base-uri 'none'; \
          form-action 'none'; frame-ancestors 'none'",
     ),
     ("x-content-type-options", "nosniff"),
@@ -78,6 +79,7 @@ pub(super) fn router(shared: Shared) -> Router {
         .route("/api/clip/{at}/{side}", get(clip))
         .route("/api/film/{at}", get(film))
         .route("/api/film/{at}/{side}/{still}", get(still))
+        .route("/api/video/{at}/{side}/{camera}", get(video))
         .route("/api/say", post(say))
         .layer(DefaultBodyLimit::max(BODY))
         .layer(from_fn_with_state(shared.clone(), guarded))
@@ -166,6 +168,23 @@ async fn still(
     let side = SIDES.iter().position(|name| *name == side);
     match side.and_then(|side| shared.studio.still(side, still)) {
         Some(jpeg) => ([(CONTENT_TYPE, "image/jpeg")], jpeg).into_response(),
+        None => StatusCode::NOT_FOUND.into_response(),
+    }
+}
+
+/// The video of one clip, or a part of it: only of the scene that is shown, and by the place of its camera.
+async fn video(
+    State(shared): State<Shared>,
+    Path((at, side, camera)): Path<(u64, String, usize)>,
+    headers: HeaderMap,
+) -> Response {
+    if !shared.is_watched(at) {
+        return StatusCode::NO_CONTENT.into_response();
+    }
+    let side = SIDES.iter().position(|name| *name == side);
+    let file = side.and_then(|side| shared.studio.video(side, camera));
+    match file.and_then(|file| Some((film::kind(&file)?, file))) {
+        Some((kind, file)) => range::answer(&file, kind, &headers),
         None => StatusCode::NOT_FOUND.into_response(),
     }
 }

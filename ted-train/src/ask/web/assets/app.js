@@ -4,6 +4,7 @@ import * as server from "/server.js";
 import { captions, write } from "/did.js";
 import { Player, SPEEDS } from "/player.js";
 import { Films } from "/film.js";
+import { Videos } from "/video.js";
 import { View, colour, drawSpace, surface } from "/space.js";
 import { drawPlots, layOut } from "/plots.js";
 
@@ -25,7 +26,8 @@ let settled = 0;
 let opened = null;
 const view = new View();
 const player = new Player(draw);
-const films = new Films(showFilms);
+const videos = new Videos([...document.querySelectorAll("video")], showFilms);
+const films = new Films(videos, showFilms);
 /// What somebody would rather see.
 let preferred = "film";
 
@@ -74,9 +76,12 @@ function draw(frame) {
   if (!pictures) return;
   const filmed = inPictures();
   pictures.forEach((picture, i) => {
-    const canvas = figures[i].querySelector(filmed ? ".film" : ".space");
+    const canvas = figures[i].querySelector(!filmed ? ".space" : films.running ? "video" : ".film");
     const now = Math.min(frame, picture.frames - 1);
-    if (filmed) films.draw(canvas, i, now * picture.stride);
+    const step = now * picture.stride;
+    const rate = player.playing ? (player.speed * picture.stride) / picture.period_s : 0;
+    if (filmed && films.running) videos.follow(i, step, rate, (picture.frames - 1 - now) * picture.stride);
+    else if (filmed) films.draw(canvas, i, step);
     else if (picture.places.length) drawSpace(canvas, picture, frame, view);
     canvas.setAttribute("aria-label", fill("clip-label", {
       side: figures[i].querySelector("strong").textContent,
@@ -104,10 +109,12 @@ function showFilms() {
   if (!pictures) return;
   const filmed = inPictures();
   figures.forEach((figure, i) => {
-    figure.querySelector(".film").hidden = !filmed;
+    figure.querySelector(".film").hidden = !filmed || films.running;
+    figure.querySelector("video").hidden = !filmed || !films.running;
     figure.querySelector(".space").hidden = filmed || !pictures[i].places.length;
     figure.querySelector(".plots").hidden = filmed;
   });
+  if (!filmed) videos.pause();
   get("view").hidden = filmed || !pictures[0].places.length;
   get("still").hidden = filmed;
   const focused = document.activeElement === get("film");
@@ -117,8 +124,19 @@ function showFilms() {
   const { trouble, first, all } = films.progress ?? {};
   const [made, of] = (films.ready ? all : first) ?? [0, 0];
   const making = made < of ? fill(films.ready ? "film-finer" : "film-first", { made, of }) : "";
-  get("film-note").textContent = trouble ? fill("no-film", { why: trouble }) : making;
+  const why = videos.broken ? fill("no-video", { camera: videos.about.cameras[videos.camera] }) : trouble;
+  get("film-note").textContent = why ? fill("no-film", { why }) : making;
+  showCameras();
   draw(player.frame);
+}
+
+/// Offers the cameras where there is a choice.
+function showCameras() {
+  const cameras = videos.about?.cameras ?? [];
+  get("cameras").hidden = cameras.length < 2 || preferred !== "film";
+  const select = get("camera");
+  if ([...select.options].map((it) => it.text).join() !== cameras.join()) select.replaceChildren(...cameras.map((it, i) => new Option(it, i)));
+  if (cameras.length) select.value = videos.camera;
 }
 
 function drawSeen() {
@@ -349,6 +367,7 @@ function listen() {
   get("speed").addEventListener("change", (event) => {
     player.speed = Number(event.target.value);
   });
+  get("camera").addEventListener("change", (event) => videos.prefer(Number(event.target.value)));
   get("copy").addEventListener("click", async () => {
     await navigator.clipboard.writeText(get("command-text").textContent);
     get("copy").textContent = words.copied;

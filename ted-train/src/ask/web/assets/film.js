@@ -1,4 +1,5 @@
-// Rendered pictures of both clips, as they are made: coarse first, then finer. The numbers never wait for them.
+// Pictures of both clips: videos where the logs have some, otherwise stills as they are made, coarse first and then finer. The numbers never
+// wait for them.
 
 import * as server from "/server.js";
 import { surface } from "/space.js";
@@ -7,8 +8,9 @@ import { surface } from "/space.js";
 const LOOK_MS = 250;
 
 export class Films {
-  /// Calls `changed()` whenever there is more to show, or more to say.
-  constructor(changed) {
+  /// Calls `changed()` whenever there is more to show, or more to say. Videos are shown by these.
+  constructor(videos, changed) {
+    this.videos = videos;
     this.changed = changed;
     this.clear();
   }
@@ -18,6 +20,7 @@ export class Films {
     this.at = null;
     this.progress = null;
     this.stills = [new Map(), new Map()];
+    this.videos.clear();
   }
 
   /// Begins with those of a scene, and follows them to their end.
@@ -32,6 +35,7 @@ export class Films {
         await this.fetch(at, progress);
         if (this.at !== at) return;
         this.progress = progress;
+        if (progress.videos) this.videos.begin(at, progress.videos);
         this.changed();
         const here = this.stills[0].size + this.stills[1].size;
         if (progress.trouble || here === progress.all[1]) return;
@@ -57,7 +61,13 @@ export class Films {
   /// Whether there is a film to look at: without the first stills of both clips, one would be judged by less than the other.
   get ready() {
     const { progress } = this;
+    if (progress?.videos) return this.videos.ready;
     return Boolean(progress?.films.length) && progress.first[0] === progress.first[1] && this.stills.every((it) => it.size > 0);
+  }
+
+  /// Whether these are videos.
+  get running() {
+    return Boolean(this.progress?.videos);
   }
 
   /// Draws the last still that is there at a step after the clip's first one.

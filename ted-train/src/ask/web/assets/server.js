@@ -32,6 +32,11 @@ export function still(at, side, still) {
   return `/api/film/${at}/${["left", "right"][side]}/${still}`;
 }
 
+/// Where the video of one of its clips is.
+export function video(at, side, camera) {
+  return `/api/video/${at}/${["left", "right"][side]}/${camera}`;
+}
+
 /// Says something about a scene. False when that came too late.
 export async function say(at, word) {
   const response = await fetch("/api/say", {
