@@ -421,6 +421,7 @@ mod tests {
             actions: Vec::new(),
             episodes: (0..100).map(|it| (it, it.to_string(), 150_000)).collect(),
             notes: Vec::new(),
+            videos: Vec::new(),
         };
         let tight = Disk::with_free(|_| Some(500_000_000));
         let error = make_sure_of_room(tight, &config, &robot, &seen).unwrap_err();
