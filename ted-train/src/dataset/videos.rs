@@ -169,7 +169,7 @@ mod tests {
         videos.write(&dataset).unwrap();
         // The data folder is another name of the dataset.
         let videos = Videos::read(&dataset.join("data")).unwrap().unwrap();
-        assert_eq!(videos.episode(0), [seen.clone()]);
+        assert_eq!(videos.episode(0), std::slice::from_ref(&seen));
         assert!(videos.episode(1).is_empty() && videos.episode(2).is_empty());
         let was = fs::canonicalize(&logs).unwrap().join("videos/0.mp4");
         assert_eq!(videos.find(&dataset, &seen), Ok(was.clone()));
