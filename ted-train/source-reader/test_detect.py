@@ -53,7 +53,7 @@ class Detection(Reading):
         with h5py.File(path, "w") as file:
             file["observations"] = numbers(0, 4, 2)
             file["actions"] = numbers(0, 4, 2)
-        for option in ("observations", "actions", "mask"):
+        for option in ("actions", "mask"):
             self.assertIn(f"--{option} says nothing to the format d4rl", self.fault(path, f"--{option}", "x")["what"])
         fault = self.fault(path, *self.map('[reward]\ncolumn = "r"\n'))
         self.assertIn("column in [reward] says nothing to the format d4rl", fault["what"])
