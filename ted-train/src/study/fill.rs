@@ -13,6 +13,7 @@ use firmware_sim::progress::Audience;
 
 use crate::collect::CollectError;
 use crate::config::ConfigError;
+use crate::doctor::processor;
 use crate::fleet::{self, Datasets, FleetError, Lane};
 use crate::run::{RunError, RunFolder};
 
@@ -101,8 +102,16 @@ pub fn fill(
     let datasets = Datasets::collecting(collected.collect());
 
     let digests = Digests::new(making.scores);
+    // The simulator has other last bits on another processor, and so have logs that are recorded there.
+    let recorded = |name: &str| {
+        runs.iter()
+            .any(|run| run.dataset == name && run.collect.is_some())
+    };
+    let agree = |name: &str, digest: &str, machine: &str| {
+        digests.agree(name, digest, recorded(name).then_some(machine))
+    };
     for score in known.iter().chain(found.iter().map(|(_, score)| score)) {
-        digests.agree(&score.dataset, &score.dataset_digest)?;
+        agree(&score.dataset, &score.dataset_digest, &score.machine)?;
     }
     let places: BTreeMap<&str, &Path> = to_make()
         .map(|run| (run.dataset.as_str(), run.place.as_path()))
@@ -110,7 +119,7 @@ pub fn fill(
     for (name, place) in places {
         // One that cannot be read is the failure of its runs, if it is not collected first.
         if let Ok(dataset) = datasets.open(place) {
-            digests.agree(name, dataset.digest())?;
+            agree(name, dataset.digest(), &processor())?;
         }
     }
     if !missing.is_empty() {
@@ -142,7 +151,7 @@ pub fn fill(
         let Some(score) = runs[place].read() else {
             return;
         };
-        let agreed = digests.agree(&score.dataset, &score.dataset_digest);
+        let agreed = agree(&score.dataset, &score.dataset_digest, &score.machine);
         if let Err(error) = agreed.and_then(|()| Ok(write(place, score)?)) {
             audience.note(&error.to_string());
             let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -160,7 +169,7 @@ pub fn fill(
 /// Which data the name of a dataset stands for: that which was seen first.
 pub(super) struct Digests<'s> {
     scores: &'s Path,
-    held: Mutex<HashMap<String, String>>,
+    held: Mutex<HashMap<(String, String), String>>,
 }
 
 impl<'s> Digests<'s> {
@@ -170,11 +179,16 @@ impl<'s> Digests<'s> {
         Self { scores, held }
     }
 
-    /// Refuses a name that stood for other data before.
-    pub(super) fn agree(&self, name: &str, digest: &str) -> Result<(), StudyError> {
+    /// Refuses a name that stood for other data before, or, where a machine is named, on that machine.
+    pub(super) fn agree(
+        &self,
+        name: &str,
+        digest: &str,
+        machine: Option<&str>,
+    ) -> Result<(), StudyError> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let first = held
-            .entry(name.to_owned())
+            .entry((name.to_owned(), machine.unwrap_or_default().to_owned()))
             .or_insert_with(|| digest.to_owned());
         match first == digest {
             true => Ok(()),

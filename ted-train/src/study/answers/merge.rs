@@ -82,7 +82,7 @@ pub fn merge(files: &[PathBuf], into: &Path) -> Result<Merged, MergeError> {
                 continue;
             };
             let run = &line.run;
-            digests.agree(&run.dataset, &run.dataset_digest)?;
+            digests.agree(&run.dataset, &run.dataset_digest, Some(&run.machine))?;
             let same = |(other, _): &&(AnswerScore, &Path)| {
                 other.run.dataset == run.dataset && other.run.config == run.config
             };

@@ -272,11 +272,17 @@ fn contradictions_are_refused_with_both_files_named_and_nothing_written() {
 
     let mut other = one.line(score(one, 0.5, 0.5));
     other.run.dataset_digest = "another".to_owned();
-    write(&at("b"), &[other]);
+    write(&at("b"), &[other.clone()]);
     let error = merge(&[at("a"), at("b")], &at("all"))
         .unwrap_err()
         .to_string();
     assert!(error.contains("with digest"), "{error}");
+
+    // On another processor a recorded log has other last bits.
+    other.run.machine = "another".to_owned();
+    write(&at("c"), &[other]);
+    let merged = merge(&[at("a"), at("c")], &at("all")).unwrap();
+    assert_eq!((merged.lines, merged.doubles), (1, 1));
 }
 
 #[test]
