@@ -76,7 +76,7 @@ pub enum Simulation {
 }
 
 /// How a scripted policy records logs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collection {
     /// Steps of an episode.
     pub steps: u32,
@@ -84,8 +84,8 @@ pub struct Collection {
     pub scene: Option<&'static str>,
     /// The version of its reward, which the dataset names.
     pub reward: &'static str,
-    /// Whether actions can be pushed and can drift.
-    pub pushes: bool,
+    /// What biased logs add to every action; none where actions can neither be pushed nor drift.
+    pub push: Option<[f64; 4]>,
     /// Numbers at most that are recorded of a step beside what a policy is learned from: the state of the simulator.
     pub infos: usize,
 }

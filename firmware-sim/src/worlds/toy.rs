@@ -39,7 +39,7 @@ impl Kind for Toy {
             steps: EPISODE_STEPS,
             scene: None,
             reward: "toy",
-            pushes: false,
+            push: None,
             infos: 0,
         })
     }

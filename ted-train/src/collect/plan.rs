@@ -35,7 +35,7 @@ impl<'a> Plan<'a> {
         if total == 0 {
             return Err(CollectError::NoEpisodes);
         }
-        if !collection.pushes && matches!(recipe, Recipe::Biased | Recipe::Drift) {
+        if collection.push.is_none() && matches!(recipe, Recipe::Biased | Recipe::Drift) {
             return Err(CollectError::NoPush {
                 task: task.name(),
                 recipe,
@@ -87,7 +87,8 @@ impl<'a> Plan<'a> {
 
     /// Two intentions take turns.
     fn played(&self, episode: u32) -> Played {
-        let played = self.config.recipe.played(episode, self.good);
+        let push = self.collection.push.unwrap_or_default();
+        let played = self.config.recipe.played(episode, self.good, push);
         match self.collection.scene {
             None => played,
             Some(_) => played.after((episode % 2) as u8),

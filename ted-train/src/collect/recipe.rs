@@ -22,10 +22,6 @@ pub enum Recipe {
 
 /// One episode in this many is of the paper's noisy part.
 const NOISY_ONE_IN: u32 = 20;
-/// What [`Recipe::Biased`] adds to every action: so much that the random ones end up far from where they would, and so little that
-/// the scripted policies mostly still succeed (with twice as much none of 20 noisy episodes of drawer-open does). None in the
-/// gripper: a hand that cannot close makes a log of failures.
-const PUSH: [f64; 4] = [0.15, -0.1, 0.05, 0.0];
 /// Standard deviation of what [`Recipe::Drift`] adds to every action of the hand ...
 const DRIFT_STD: f64 = 0.4;
 /// ... and its correlation from one step to the next: half of it is left after 34 steps, 0.4 seconds.
@@ -58,8 +54,9 @@ impl Recipe {
         }
     }
 
-    /// What makes the actions of `episode` in a dataset whose first `good` episodes are the good ones.
-    pub(super) fn played(self, episode: u32, good: u32) -> Played {
+    /// What makes the actions of `episode` in a dataset whose first `good` episodes are the good ones; `push` is what biased
+    /// ones are pushed by.
+    pub(super) fn played(self, episode: u32, good: u32, push: [f64; 4]) -> Played {
         let noisy = Played {
             part: "noisy".into(),
             behaviour: Behaviour::PAPER_NOISY,
@@ -71,7 +68,7 @@ impl Recipe {
         let paper = if episode < good { noisy } else { epsilon };
         match self {
             Self::Paper => paper,
-            Self::Biased => paper.with(|behaviour| behaviour.push = PUSH),
+            Self::Biased => paper.with(|behaviour| behaviour.push = push),
             Self::Drift => paper.with(|behaviour| {
                 behaviour.drift_std = DRIFT_STD;
                 behaviour.drift_correlation = DRIFT_CORRELATION;
@@ -155,6 +152,8 @@ impl FromStr for Recipe {
 mod tests {
     use super::*;
 
+    const PUSH: [f64; 4] = [0.15, -0.1, 0.05, 0.0];
+
     #[test]
     fn the_paper_has_one_noisy_episode_in_twenty_and_at_least_one() {
         let good = |total| Recipe::Paper.default_good(total);
@@ -162,18 +161,18 @@ mod tests {
             [1, 2, 20, 29, 30, 100, 300, 1000].map(good),
             [1, 1, 1, 1, 2, 5, 15, 50].map(Some)
         );
-        assert_eq!(Recipe::Paper.played(50, 50).behaviour.epsilon, 0.8);
-        assert_eq!(Recipe::Paper.played(49, 50).behaviour.epsilon, 0.0);
-        assert_eq!(Recipe::Paper.played(0, 0).part, "epsilon");
+        assert_eq!(Recipe::Paper.played(50, 50, PUSH).behaviour.epsilon, 0.8);
+        assert_eq!(Recipe::Paper.played(49, 50, PUSH).behaviour.epsilon, 0.0);
+        assert_eq!(Recipe::Paper.played(0, 0, PUSH).part, "epsilon");
     }
 
     #[test]
     fn a_biased_and_a_drifting_log_are_the_paper_s_with_something_on_top() {
         for episode in [0, 49, 50, 999] {
-            let paper = Recipe::Paper.played(episode, 50);
-            let biased = Recipe::Biased.played(episode, 50);
-            let drift = Recipe::Drift.played(episode, 50);
-            assert_eq!(biased.behaviour.push, [0.15, -0.1, 0.05, 0.0]);
+            let paper = Recipe::Paper.played(episode, 50, PUSH);
+            let biased = Recipe::Biased.played(episode, 50, PUSH);
+            let drift = Recipe::Drift.played(episode, 50, PUSH);
+            assert_eq!(biased.behaviour.push, PUSH);
             assert_eq!(biased.with(|b| b.push = [0.0; 4]), paper);
             assert_eq!(drift.behaviour.drift_std, 0.4);
             let without = drift.with(|b| (b.drift_std, b.drift_correlation) = (0.0, 0.0));
