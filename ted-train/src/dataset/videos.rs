@@ -77,12 +77,15 @@ impl Videos {
     ///
     /// # Errors
     /// When the disk is full or fails.
+    ///
+    /// # Panics
+    /// Never: names and times can be written as JSON.
     pub fn write(mut self, dataset: &Path) -> Result<(), WriteError> {
         let whole = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         self.source = whole(&self.source);
         let folder = own_folder(dataset);
         self.from_here = way(&whole(&folder), &self.source);
-        let json = serde_json::to_vec(&self).unwrap_or_default();
+        let json = serde_json::to_vec(&self).expect("names and times are plain data");
         replace(&folder.join(FILE), &json)
     }
 

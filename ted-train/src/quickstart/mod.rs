@@ -225,11 +225,7 @@ pub fn record(config: &QuickstartConfig, audience: Audience) -> Result<Logs, Qui
     match &config.setting {
         Setting::Own(logs, world) => {
             let world = world.clone().ready(engine, audience)?;
-            stage(
-                audience,
-                2,
-                &format!("the logs are there: {}", logs.display()),
-            );
+            stage(audience, 2, &format!("read the logs in {}", logs.display()));
             Ok(Logs {
                 world,
                 scripted: None,

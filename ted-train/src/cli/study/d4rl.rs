@@ -27,12 +27,12 @@ const EXAMPLES: &str = "\
 Examples:
   ted study d4rl ~/.d4rl/datasets
   ted study d4rl ~/.d4rl/datasets --datasets hopper-medium-v2,ant-expert-v2 --seeds 0
-  ted study d4rl ~/.d4rl/datasets --set algorithm.steps=100000        a tenth of the time
+  ted study d4rl ~/.d4rl/datasets --set algorithm.steps=100000        a tenth of the updates
   ted study d4rl ~/.d4rl/datasets --table                             what is finished so far
 
 The folder holds D4RL's files of version 2 by the names that D4RL gives them, such as hopper_medium-v2.hdf5, or by those of the \
 datasets, hopper-medium-v2.hdf5. Each is imported once, as d4rl/hopper-medium-v2. What is not there is named and left out. \
-IQL's constants are those it was published with, for the maze its own. A run of a million updates takes about an hour on one core.";
+IQL's constants are those it was published with, for the maze its own. A run makes a million updates, as IQL was published.";
 
 /// Run the paper's 26 tasks of D4RL on your own copy of its files, and print its Table 15 beside yours
 #[derive(Debug, Args)]
